@@ -1,0 +1,140 @@
+// What a capture is, in memory: resources, frames and the draw calls of each frame in submission order.
+// The bytes on disk are described in SPEC.md; reader.hpp and writer.hpp convert between the two.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace subpixel::capture {
+
+using Float3 = std::array<float, 3>;
+using Matrix4 = std::array<float, 16>;  // column-major: element (row r, column c) is [4 * c + r]; vectors are columns
+
+inline constexpr std::uint32_t kNone = 0xffffffffu;  // "no such resource" in an index field
+
+struct Metadata {
+  std::string title;
+  std::string application;  // what was recorded
+  std::string tool;         // what recorded it, with version
+  std::string licence;      // of the recorded content
+  float metres_per_unit = 1.0f;
+};
+
+// Raw bytes that vertex streams, indices and instance transforms point into.
+struct Buffer {
+  std::string name;
+  std::vector<std::byte> bytes;
+};
+
+enum class TextureEncoding : std::uint32_t { rgba8 = 0, image_file = 1 };  // image_file: PNG, JPEG, TGA, ... as found
+
+struct Texture {
+  std::string name;
+  TextureEncoding encoding = TextureEncoding::rgba8;
+  bool srgb = false;  // colour textures are sRGB-encoded, normal and roughness maps are linear
+  // Texels of rgba8 (4 * width * height bytes, top row first). For image_file: 0, the file itself knows.
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::byte> bytes;
+};
+
+enum class AlphaMode : std::uint32_t { opaque = 0, test = 1, blend = 2 };
+
+// glTF metallic-roughness. Factors multiply their textures.
+struct Material {
+  std::string name;
+  std::array<float, 4> base_colour{1, 1, 1, 1};  // linear
+  std::uint32_t base_colour_texture = kNone;      // alpha in A
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5f;
+  float metallic = 0.0f;
+  float roughness = 0.8f;
+  std::uint32_t metallic_roughness_texture = kNone;  // G roughness, B metallic
+  std::uint32_t normal_texture = kNone;              // tangent space, +Y up
+  Float3 emissive{0, 0, 0};                          // linear radiance
+  std::uint32_t emissive_texture = kNone;
+  bool two_sided = false;
+};
+
+enum class VertexFormat : std::uint32_t {
+  float32x2 = 0,
+  float32x3 = 1,
+  float32x4 = 2,
+  float16x2 = 3,
+  float16x4 = 4,
+  snorm8x4 = 5,
+  snorm16x4 = 6,
+  unorm16x2 = 7,
+};
+
+// One vertex attribute: element i starts at byte `offset + i * stride` of buffer `buffer`.
+struct VertexStream {
+  std::uint32_t buffer = kNone;  // kNone: the attribute is absent
+  VertexFormat format = VertexFormat::float32x3;
+  std::uint64_t offset = 0;  // bytes
+  std::uint32_t stride = 0;  // bytes
+};
+
+enum class IndexType : std::uint32_t { none = 0, uint16 = 1, uint32 = 2 };
+
+// One triangle-list draw call.
+struct Draw {
+  std::string name;
+  std::uint32_t material = 0;
+  VertexStream position, normal, uv, tangent;  // position is required; tangent.w is the bitangent sign
+  IndexType index_type = IndexType::none;
+  std::uint32_t index_buffer = kNone;
+  std::uint64_t index_offset = 0;   // bytes
+  std::uint32_t index_count = 0;    // indices (index_type none: vertices) drawn; a multiple of 3
+  std::int32_t base_vertex = 0;     // added to every index
+  std::uint32_t vertex_count = 0;   // vertices the streams hold; index + base_vertex must be below it
+  Matrix4 transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // object to world
+  // Instance i is placed by transform * instance matrix i (Matrix4s, tightly packed). instance_count 1 and buffer kNone: one.
+  std::uint32_t instance_buffer = kNone;
+  std::uint64_t instance_offset = 0;  // bytes
+  std::uint32_t instance_count = 1;
+};
+
+// How `projection` maps to clip space; replay converts to its own (Vulkan, reversed depth).
+enum class ClipDepth : std::uint32_t { zero_to_one = 0, one_to_zero = 1, minus_one_to_one = 2 };
+
+struct DirectionalLight {
+  Float3 direction{0, -1, 0};  // the way the light travels, world space
+  Float3 irradiance{3, 3, 3};  // linear, on a surface facing it
+  bool shadows = true;
+};
+
+struct PointLight {
+  Float3 position{0, 0, 0};
+  Float3 intensity{1, 1, 1};  // linear radiant intensity; irradiance is intensity / distance^2, windowed to 0 at range
+  float range = 10.0f;        // world units
+};
+
+struct Frame {
+  std::string name;
+  double time_s = 0;
+  Matrix4 view{};        // world to view, right-handed, looking down -z
+  Matrix4 projection{};  // view to clip
+  ClipDepth clip_depth = ClipDepth::one_to_zero;
+  bool clip_y_up = false;  // false: Vulkan (clip +y is down the image); true: OpenGL, Direct3D
+  std::uint32_t width = 1280, height = 720;  // pixels it was recorded at; the default replay size
+  float exposure = 1.0f;
+  Float3 sky{0.35f, 0.5f, 0.75f};      // linear radiance of what no surface covers
+  Float3 ambient{0.3f, 0.35f, 0.4f};   // linear irradiance / pi from everywhere
+  std::optional<DirectionalLight> sun;
+  std::vector<PointLight> point_lights;
+  std::vector<Draw> draws;
+};
+
+struct Capture {
+  Metadata metadata;
+  std::vector<Buffer> buffers;
+  std::vector<Texture> textures;
+  std::vector<Material> materials;
+  std::vector<Frame> frames;
+};
+
+}  // namespace subpixel::capture

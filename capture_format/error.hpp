@@ -1,0 +1,26 @@
+// The errors a caller can act on, one type for each exit code of the command line.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace subpixel {
+
+// Every message reads "what: why: where"; `where` names an offset, chunk, field, parameter or path.
+class Error : public std::runtime_error {
+ public:
+  Error(const std::string& what, const std::string& why, const std::string& where)
+      : std::runtime_error(where.empty() ? what + ": " + why : what + ": " + why + ": " + where) {}
+};
+
+class UsageError : public Error {  // exit code 2: the request itself is wrong
+  using Error::Error;
+};
+class InputError : public Error {  // exit code 3: a file or its content is wrong
+  using Error::Error;
+};
+class DeviceError : public Error {  // exit code 4: the device can't do it
+  using Error::Error;
+};
+
+}  // namespace subpixel
