@@ -1,0 +1,37 @@
+// Vertex streams, indices and instance transforms of a draw, decoded to plain arrays.
+// Everything here trusts offsets and indices: call it on what read_capture() returned, or after check_draw() was clean.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "capture_format/capture.hpp"
+
+namespace subpixel::capture {
+
+std::uint32_t component_count(VertexFormat format);
+std::uint32_t element_bytes(VertexFormat format);
+
+// The first `count` elements of `stream` as floats, tightly packed with `components` (1 to 4) of each. Components the
+// format lacks are 0, the fourth is 1. Snorm values are max(v / max, -1) as Vulkan has it. NaN and infinities pass
+// through. An absent stream gives an empty vector.
+std::vector<float> decode_stream(const Capture& capture, const VertexStream& stream, std::uint32_t count,
+                                 std::uint32_t components);
+
+// The vertices of the draw in triangle-list order: index_count values below vertex_count, base_vertex added; an
+// unindexed draw gives 0, 1, 2, ...
+std::vector<std::uint32_t> decode_indices(const Capture& capture, const Draw& draw);
+
+// Object-to-world matrices of the draw's instances: transform * instance matrix, instance_count of them.
+std::vector<Matrix4> world_transforms(const Capture& capture, const Draw& draw);
+
+// Triangles a draw submits, all instances together.
+std::uint64_t triangle_count(const Draw& draw);
+
+// a * b, each element summed in float from the first column's product on, so that every user gets the same bits.
+Matrix4 multiply(const Matrix4& a, const Matrix4& b);
+
+float half_to_float(std::uint16_t half);
+
+}  // namespace subpixel::capture
