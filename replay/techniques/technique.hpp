@@ -8,9 +8,12 @@
 
 #include "replay/techniques/parameters.hpp"
 
+namespace subpixel::gpu {
+class PassRecorder;
+}
+
 namespace subpixel::replay {
 
-class PassRecorder;
 struct FrameSetup;
 
 // One named part of a memory layout and its size. Bits, since published formats have fields of 1 to 26 bits.
@@ -37,7 +40,7 @@ struct Technique {
   Parameters parameters;
   std::vector<MapDescription> maps;
   MemoryLayout (*layout)(const FrameSetup&);
-  void (*record)(PassRecorder&, const FrameSetup&);
+  void (*record)(gpu::PassRecorder&, const FrameSetup&);
 };
 
 // All techniques, in the order they are listed to users. The only list there is.

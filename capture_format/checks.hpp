@@ -1,0 +1,55 @@
+// The rules a capture's parts obey, in one place: the reader and the recorder throw on the first broken one, the
+// validator collects them all.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+#include "capture_format/capture.hpp"
+
+namespace subpixel::capture {
+
+// Called for each broken rule with the field ("position.offset") and the reason. It may throw.
+using Report = std::function<void(std::string_view field, const std::string& why)>;
+
+bool is_utf8(std::string_view text);
+
+void check_metadata(const Metadata& metadata, const Report& report);
+void check_buffer(const Buffer& buffer, const Report& report);
+void check_texture(const Texture& texture, const Report& report);
+
+// Texture numbers are checked against `texture_count`.
+void check_material(const Material& material, std::size_t texture_count, const Report& report);
+
+// Everything of a frame but its draws: size, matrices, lights, all finite.
+void check_frame(const Frame& frame, const Report& report);
+
+// The number of a frame's draws and of their triangles.
+void check_draw_list(const Frame& frame, const Report& report);
+
+// Everything of a draw but the values of its indices: references, ranges inside buffers, counts.
+void check_draw(const Capture& capture, const Draw& draw, const Report& report);
+
+// Whether every index of a draw, base_vertex added, is below vertex_count. Draws whose other rules are broken must not
+// be given to it. Ranges met before cost nothing, so one checker serves all frames of a capture.
+class IndexChecker {
+ public:
+  explicit IndexChecker(const Capture& capture) : capture_(capture) {}
+  void check(const Draw& draw, const Report& report);
+
+ private:
+  struct Range {
+    std::uint32_t lowest, highest;
+  };
+  using Key = std::tuple<std::uint32_t, IndexType, std::uint64_t, std::uint32_t>;  // buffer, type, offset, count
+
+  const Capture& capture_;
+  std::map<Key, Range> ranges_;
+  std::uint64_t indices_read_ = 0;
+};
+
+}  // namespace subpixel::capture

@@ -1,0 +1,325 @@
+#include "capture_format/writer.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zstd.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <span>
+#include <string>
+#include <system_error>
+
+#include "capture_format/checks.hpp"
+#include "capture_format/chunk.hpp"
+#include "capture_format/error.hpp"
+#include "capture_format/hash.hpp"
+#include "capture_format/limits.hpp"
+
+namespace subpixel::capture {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+class ByteWriter {
+ public:
+  std::vector<std::byte> bytes;
+
+  template <typename T>
+    requires std::is_trivially_copyable_v<T>
+  void put(const T& value) {
+    const auto* from = reinterpret_cast<const std::byte*>(&value);
+    bytes.insert(bytes.end(), from, from + sizeof value);
+  }
+  void text(const std::string& value) {
+    put(static_cast<std::uint32_t>(value.size()));
+    raw(std::as_bytes(std::span(value)));
+  }
+  void raw(std::span<const std::byte> from) { bytes.insert(bytes.end(), from.begin(), from.end()); }
+};
+
+void put_stream(ByteWriter& out, const VertexStream& stream) {
+  out.put(stream.buffer);
+  out.put(stream.format);
+  out.put(stream.offset);
+  out.put(stream.stride);
+}
+
+void put_draw(ByteWriter& out, const Draw& draw) {
+  out.text(draw.name);
+  out.put(draw.material);
+  for (const VertexStream* stream : {&draw.position, &draw.normal, &draw.uv, &draw.tangent}) put_stream(out, *stream);
+  out.put(draw.index_type);
+  out.put(draw.index_buffer);
+  out.put(draw.index_offset);
+  out.put(draw.index_count);
+  out.put(draw.base_vertex);
+  out.put(draw.vertex_count);
+  out.put(draw.transform);
+  out.put(draw.instance_buffer);
+  out.put(draw.instance_offset);
+  out.put(draw.instance_count);
+}
+
+std::vector<std::byte> frame_payload(const Frame& frame) {
+  ByteWriter out;
+  out.text(frame.name);
+  out.put(frame.time_s);
+  out.put(frame.view);
+  out.put(frame.projection);
+  out.put(frame.clip_depth);
+  out.put(std::uint32_t{frame.clip_y_up});
+  out.put(frame.width);
+  out.put(frame.height);
+  out.put(frame.exposure);
+  out.put(frame.sky);
+  out.put(frame.ambient);
+  out.put(std::uint32_t{frame.sun.has_value()});
+  if (frame.sun) {
+    out.put(frame.sun->direction);
+    out.put(frame.sun->irradiance);
+    out.put(std::uint32_t{frame.sun->shadows});
+  }
+  out.put(static_cast<std::uint32_t>(frame.point_lights.size()));
+  for (const PointLight& light : frame.point_lights) {
+    out.put(light.position);
+    out.put(light.intensity);
+    out.put(light.range);
+  }
+  out.put(static_cast<std::uint32_t>(frame.draws.size()));
+  for (const Draw& draw : frame.draws) put_draw(out, draw);
+  return std::move(out.bytes);
+}
+
+std::vector<std::byte> materials_payload(const std::vector<Material>& materials) {
+  ByteWriter out;
+  out.put(static_cast<std::uint32_t>(materials.size()));
+  for (const Material& material : materials) {
+    out.text(material.name);
+    out.put(material.base_colour);
+    out.put(material.base_colour_texture);
+    out.put(material.alpha_mode);
+    out.put(material.alpha_cutoff);
+    out.put(material.metallic);
+    out.put(material.roughness);
+    out.put(material.metallic_roughness_texture);
+    out.put(material.normal_texture);
+    out.put(material.emissive);
+    out.put(material.emissive_texture);
+    out.put(std::uint32_t{material.two_sided});
+  }
+  return std::move(out.bytes);
+}
+
+class FileWriter {
+ public:
+  explicit FileWriter(const EncodeOptions& options) : level_(options.zstd_level) {
+    for (const unsigned char c : kMagic) out_.put(c);
+    out_.put(kVersion);
+    out_.put(std::uint32_t{0});
+  }
+
+  void chunk(ChunkType type, std::uint32_t id, std::span<const std::byte> payload) {
+    index_.put(type);
+    index_.put(id);
+    index_.put(std::uint64_t{out_.bytes.size()});
+    write_chunk(type, id, payload, level_);
+  }
+
+  std::vector<std::byte> finish() {
+    const std::uint64_t index_offset = out_.bytes.size();
+    write_chunk(ChunkType::index, 0, index_.bytes, 0);
+    ByteWriter footer;
+    footer.put(index_offset);
+    footer.put(out_.bytes.size() + kFooterBytes);
+    footer.put(checksum_of(std::span(out_.bytes).first(kHeaderBytes), footer.bytes));
+    for (const unsigned char c : kEndMagic) footer.put(c);
+    out_.raw(footer.bytes);
+    return std::move(out_.bytes);
+  }
+
+ private:
+  void write_chunk(ChunkType type, std::uint32_t id, std::span<const std::byte> payload, int level) {
+    std::vector<std::byte> packed;
+    if (level > 0 && !payload.empty()) {
+      packed.resize(ZSTD_compressBound(payload.size()));
+      const std::size_t got = ZSTD_compress(packed.data(), packed.size(), payload.data(), payload.size(), level);
+      if (ZSTD_isError(got) != 0) throw InputError("can't compress the capture", ZSTD_getErrorName(got), "");
+      packed.resize(got);
+    }
+    const bool smaller = !packed.empty() && packed.size() < payload.size();
+    const std::span<const std::byte> stored = smaller ? std::span<const std::byte>(packed) : payload;
+    ByteWriter header;
+    header.put(type);
+    header.put(id);
+    header.put(smaller ? Codec::zstd : Codec::raw);
+    header.put(std::uint32_t{0});
+    header.put(std::uint64_t{stored.size()});
+    header.put(std::uint64_t{payload.size()});
+    header.put(checksum_of(header.bytes, stored));
+    out_.raw(header.bytes);
+    out_.raw(stored);
+    out_.bytes.resize(aligned(out_.bytes.size()));
+  }
+
+  ByteWriter out_;
+  ByteWriter index_;
+  int level_;
+};
+
+// Each different byte string gets one DATA chunk, numbered in the order of first use.
+class DataChunks {
+ public:
+  explicit DataChunks(FileWriter& file) : file_(file) {}
+
+  std::uint32_t add(std::span<const std::byte> bytes) {
+    const auto [found, is_new] = ids_.try_emplace(content_hash_hex(bytes), static_cast<std::uint32_t>(ids_.size()));
+    if (is_new) file_.chunk(ChunkType::data, found->second, bytes);
+    return found->second;
+  }
+
+ private:
+  FileWriter& file_;
+  std::map<std::string, std::uint32_t> ids_;  // 128 bits of XXH3: equal hashes are taken as equal bytes
+};
+
+Report refuse(const std::string& part) {
+  return [part](std::string_view field, const std::string& why) {
+    throw InputError("can't write the capture", why, part + ", field " + std::string(field));
+  };
+}
+
+void require_count(std::string_view what, std::size_t count, std::size_t most) {
+  if (count > most) {
+    throw InputError("can't write the capture", std::to_string(count) + " are more than " + std::to_string(most),
+                     std::string(what));
+  }
+}
+
+void require_valid(const Capture& capture) {
+  require_count("buffers", capture.buffers.size(), kMaxBuffers);
+  require_count("textures", capture.textures.size(), kMaxTextures);
+  require_count("materials", capture.materials.size(), kMaxMaterials);
+  require_count("frames", capture.frames.size(), kMaxFrames);
+  check_metadata(capture.metadata, refuse("metadata"));
+  for (std::size_t i = 0; i < capture.buffers.size(); ++i) {
+    check_buffer(capture.buffers[i], refuse("buffer " + std::to_string(i)));
+  }
+  for (std::size_t i = 0; i < capture.textures.size(); ++i) {
+    check_texture(capture.textures[i], refuse("texture " + std::to_string(i)));
+  }
+  for (std::size_t i = 0; i < capture.materials.size(); ++i) {
+    check_material(capture.materials[i], capture.textures.size(), refuse("material " + std::to_string(i)));
+  }
+  IndexChecker indices(capture);
+  for (std::size_t f = 0; f < capture.frames.size(); ++f) {
+    const std::string part = "frame " + std::to_string(f);
+    check_frame(capture.frames[f], refuse(part));
+    check_draw_list(capture.frames[f], refuse(part));
+    for (std::size_t d = 0; d < capture.frames[f].draws.size(); ++d) {
+      const Report report = refuse(part + ", draw " + std::to_string(d));
+      check_draw(capture, capture.frames[f].draws[d], report);
+      indices.check(capture.frames[f].draws[d], report);
+    }
+  }
+}
+
+[[noreturn]] void fail_writing(const std::filesystem::path& path, int error) {
+  throw InputError("can't write the capture", std::generic_category().message(error), path.string());
+}
+
+// Removes the temporary file unless it was renamed.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::filesystem::path& target)
+      : target_(target), path_(target.string() + ".XXXXXX"), descriptor_(::mkstemp(path_.data())) {
+    if (descriptor_ < 0) fail_writing(target_, errno);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!path_.empty()) ::unlink(path_.c_str());
+  }
+
+  void write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t wrote = ::write(descriptor_, bytes.data(), bytes.size());
+      if (wrote < 0 && errno == EINTR) continue;
+      if (wrote <= 0) fail_writing(target_, wrote < 0 ? errno : ENOSPC);
+      bytes = bytes.subspan(static_cast<std::size_t>(wrote));
+    }
+  }
+
+  void rename_to_target() {
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    if (::fchmod(descriptor_, 0666 & ~mask) != 0) fail_writing(target_, errno);  // mkstemp made it private
+    if (::fsync(descriptor_) != 0) fail_writing(target_, errno);
+    const int closed = ::close(descriptor_);
+    descriptor_ = -1;
+    if (closed != 0) fail_writing(target_, errno);
+    if (::rename(path_.c_str(), target_.c_str()) != 0) fail_writing(target_, errno);
+    path_.clear();
+  }
+
+ private:
+  std::filesystem::path target_;
+  std::string path_;
+  int descriptor_;
+};
+
+}  // namespace
+
+std::vector<std::byte> encode_capture(const Capture& capture, const EncodeOptions& options) {
+  require_valid(capture);
+  FileWriter file(options);
+  ByteWriter metadata;
+  metadata.text(capture.metadata.title);
+  metadata.text(capture.metadata.application);
+  metadata.text(capture.metadata.tool);
+  metadata.text(capture.metadata.licence);
+  metadata.put(capture.metadata.metres_per_unit);
+  file.chunk(ChunkType::metadata, 0, metadata.bytes);
+
+  DataChunks data(file);
+  std::vector<std::uint32_t> buffer_data;
+  std::vector<std::uint32_t> texture_data;
+  for (const Buffer& buffer : capture.buffers) buffer_data.push_back(data.add(buffer.bytes));
+  for (const Texture& texture : capture.textures) texture_data.push_back(data.add(texture.bytes));
+
+  for (std::uint32_t i = 0; i < capture.buffers.size(); ++i) {
+    ByteWriter out;
+    out.text(capture.buffers[i].name);
+    out.put(buffer_data[i]);
+    file.chunk(ChunkType::buffer, i, out.bytes);
+  }
+  for (std::uint32_t i = 0; i < capture.textures.size(); ++i) {
+    const Texture& texture = capture.textures[i];
+    ByteWriter out;
+    out.text(texture.name);
+    out.put(texture.encoding);
+    out.put(std::uint32_t{texture.srgb});
+    out.put(texture.width);
+    out.put(texture.height);
+    out.put(texture_data[i]);
+    file.chunk(ChunkType::texture, i, out.bytes);
+  }
+  file.chunk(ChunkType::material, 0, materials_payload(capture.materials));
+  for (std::uint32_t i = 0; i < capture.frames.size(); ++i) {
+    file.chunk(ChunkType::frame, i, frame_payload(capture.frames[i]));
+  }
+  return file.finish();
+}
+
+void write_capture(const Capture& capture, const std::filesystem::path& path, const EncodeOptions& options) {
+  const std::vector<std::byte> bytes = encode_capture(capture, options);
+  TemporaryFile file(path);
+  file.write(bytes);
+  file.rename_to_target();
+}
+
+}  // namespace subpixel::capture

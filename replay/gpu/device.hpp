@@ -1,0 +1,73 @@
+// The Vulkan device a replay runs on: chosen, probed for what the passes need, and refused in clear words.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "replay/gpu/vulkan.hpp"
+
+namespace subpixel::gpu {
+
+struct DeviceOptions {
+  bool any_device = false;  // false: lavapipe only, so that results are comparable from machine to machine
+  bool validation = false;  // the Khronos validation layer; its errors are collected and thrown at the next wait
+};
+
+struct DeviceInfo {
+  std::string device, driver, driver_version, cpu_model;
+  bool is_cpu = false;
+  VkDeviceSize max_storage_buffer_range = 0;
+  VkDeviceSize max_buffer_size = 0;
+  std::uint32_t max_image_dimension = 0;
+};
+
+class PipelineCache;
+
+class Device {
+ public:
+  // Throws DeviceError when there is no Vulkan, no suitable device, or a feature is missing (all missing are named).
+  explicit Device(const DeviceOptions& options = {});
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  const DeviceInfo& info() const { return info_; }
+  VkDevice handle() const { return device_; }
+  VkPhysicalDevice physical() const { return physical_; }
+  PipelineCache& pipelines() { return *pipelines_; }
+
+  // Records with `record`, submits and waits. Returns the milliseconds the device took: the wall clock on a CPU
+  // device, where the queue's work runs on this machine's cores; timestamps elsewhere. Throws DeviceError.
+  double run(const std::function<void(VkCommandBuffer)>& record);
+
+  // A memory type with all of `required`, preferring `preferred`. Throws DeviceError.
+  std::uint32_t memory_type(std::uint32_t allowed_types, VkMemoryPropertyFlags required,
+                            VkMemoryPropertyFlags preferred) const;
+
+  PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
+
+ private:
+  void create_instance(const DeviceOptions& options);
+  void choose_physical(const DeviceOptions& options);
+  void create_device();
+
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  std::uint32_t queue_family_ = 0;
+  VkCommandPool command_pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer command_buffer_ = VK_NULL_HANDLE;
+  VkFence fence_ = VK_NULL_HANDLE;
+  VkQueryPool timestamps_ = VK_NULL_HANDLE;
+  float timestamp_period_ns_ = 1;
+  VkPhysicalDeviceMemoryProperties memory_{};
+  DeviceInfo info_;
+  std::unique_ptr<PipelineCache> pipelines_;
+  std::string validation_errors_;
+};
+
+}  // namespace subpixel::gpu

@@ -1,0 +1,142 @@
+// Collects the passes of a technique or of the front-end. A pass declares what it reads and writes; barriers, layouts
+// and timers follow from that. The recorded sequence can be run any number of times.
+#pragma once
+
+#include <array>
+#include <cstring>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "replay/gpu/pipeline.hpp"
+#include "replay/gpu/resources.hpp"
+
+namespace subpixel::gpu {
+
+struct Binding {
+  enum class Kind { uniform, storage_read, storage_write, sampled, image_read, image_write };
+  Kind kind = Kind::storage_read;
+  std::uint32_t slot = 0;  // within its kind's range: storage 0..10, sampled 0..7, storage image 0..3
+  Buffer* buffer = nullptr;
+  Image* image = nullptr;
+  const Sampler* sampler = nullptr;  // sampled; none: the recorder's nearest, clamped sampler
+};
+
+Binding uniform(Buffer& buffer);
+Binding reads(std::uint32_t slot, Buffer& buffer);
+Binding writes(std::uint32_t slot, Buffer& buffer);  // or reads and writes
+Binding samples(std::uint32_t slot, Image& image, const Sampler* sampler = nullptr);
+Binding image_writes(std::uint32_t slot, Image& image);
+
+struct PushConstants {
+  std::array<std::byte, kPushConstantBytes> bytes{};
+  PushConstants() = default;
+  template <typename T>
+  explicit PushConstants(const T& value) {
+    static_assert(sizeof(T) <= kPushConstantBytes);
+    std::memcpy(bytes.data(), &value, sizeof(T));
+  }
+};
+
+struct ComputePass {
+  std::string name, shader;
+  Constants constants;
+  std::vector<Binding> bindings;
+  std::vector<Buffer*> by_address;  // written or read through buffer_reference
+  PushConstants push;
+  std::array<std::uint32_t, 3> groups{1, 1, 1};
+};
+
+// Binds further state between the draws of one raster pass.
+class DrawEncoder {
+ public:
+  DrawEncoder(Device& device, VkCommandBuffer commands) : device_(device), commands_(commands) {}
+  void push(const PushConstants& push);
+  void pipeline(const RasterDescription& description);
+  void material(VkDescriptorSet set);
+  void index_buffer(const Buffer& buffer);  // 32-bit
+  void draw(std::uint32_t vertices, std::uint32_t instances = 1, std::uint32_t first_vertex = 0,
+            std::uint32_t first_instance = 0);
+  void draw_indexed_indirect(const Buffer& buffer, VkDeviceSize offset, std::uint32_t draws);
+  void viewport(float x, float y, float width, float height);
+
+ private:
+  Device& device_;
+  VkCommandBuffer commands_;
+};
+
+struct RasterPass {
+  std::string name;
+  RasterDescription pipeline;  // bound before `draws` is called; its targets name the formats of the attachments below
+  std::vector<Image*> colours;
+  Image* depth = nullptr;
+  std::vector<std::array<std::uint32_t, 4>> clear_colours;  // bits; with targets.clear, one each
+  float clear_depth = 0;
+  std::vector<Binding> bindings;
+  std::vector<Buffer*> indices_and_indirect;  // buffers the draws read as indices or indirect commands
+  std::vector<Buffer*> by_address;
+  PushConstants push;
+  std::function<void(DrawEncoder&)> draws;  // empty: one full-screen triangle
+};
+
+struct PassTiming {
+  std::string name;
+  std::vector<double> ms;  // one for each run since clear_timings
+};
+
+class PassRecorder {
+ public:
+  explicit PassRecorder(Device& device);
+
+  // Resources the technique owns; counted in allocated_bytes. References stay valid for the recorder's life.
+  Buffer& buffer(std::string name, VkDeviceSize bytes);
+  Image& image(const ImageDescription& description);
+  std::uint64_t allocated_bytes() const;
+
+  void compute(ComputePass pass);
+  void raster(RasterPass pass);
+  void fill(std::string name, Buffer& buffer, std::uint32_t value);
+  // Host work between passes (reading a device-side total); not timed.
+  void host(std::function<void()> work);
+
+  // Runs all passes once, in order, waiting after each; adds to the timings.
+  void run();
+  void clear_timings() { for (auto& timing : timings_) timing.ms.clear(); }
+  const std::vector<PassTiming>& timings() const { return timings_; }
+  Device& device() { return device_; }
+
+ private:
+  struct Use {
+    Buffer* buffer = nullptr;
+    Image* image = nullptr;
+    AccessState state;
+  };
+  struct Step {
+    std::size_t timing = 0;
+    std::vector<Use> uses;
+    std::function<void(VkCommandBuffer)> record;
+    std::function<void()> host;
+  };
+  void bind(VkCommandBuffer commands, VkPipelineBindPoint point, const std::vector<Binding>& bindings,
+            const std::vector<Image*>& inputs);
+  std::vector<Use> uses_of(const std::vector<Binding>& bindings, VkPipelineStageFlags2 stages) const;
+  void barrier(VkCommandBuffer commands, const std::vector<Use>& uses);
+  std::size_t timing(const std::string& name);
+  VkFramebuffer framebuffer(const RasterPass& pass, VkRenderPass render_pass);
+
+  Device& device_;
+  std::deque<Buffer> buffers_;
+  std::deque<Image> images_;
+  std::vector<Step> steps_;
+  std::vector<PassTiming> timings_;
+  Sampler nearest_;
+  struct Framebuffers {
+    Device& device;
+    std::vector<VkFramebuffer> handles;
+    ~Framebuffers();
+  } framebuffers_;
+};
+
+}  // namespace subpixel::gpu

@@ -1,0 +1,74 @@
+// Pipelines by description, made once and kept: the first run of a pipeline pays its compilation.
+//
+// All pipelines share one layout:
+//   set 0, push descriptors:  0 uniform buffer | 1..11 storage buffers | 12..19 combined image samplers |
+//                             20..23 storage images | 24..31 input attachments
+//   set 1: the textures of one material: 0 base colour, 1 metallic-roughness, 2 normal, 3 emissive
+//   push constants: 128 bytes, all stages
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "replay/gpu/device.hpp"
+
+namespace subpixel::gpu {
+
+inline constexpr std::uint32_t kUniformBinding = 0, kStorageBinding = 1, kSampledBinding = 12, kStorageImageBinding = 20,
+                               kInputAttachmentBinding = 24, kBindings = 32, kPushConstantBytes = 128,
+                               kMaterialTextures = 4;
+
+// Specialization constants: id -> 32-bit value.
+using Constants = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+struct RenderPassDescription {
+  std::vector<VkFormat> colours;
+  VkFormat depth = VK_FORMAT_UNDEFINED;
+  VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
+  // Fragments read what earlier fragments of the pixel wrote, in primitive order
+  // (VK_EXT_rasterization_order_attachment_access): every colour attachment is also an input attachment.
+  bool ordered_read = false;
+  bool clear = false;  // attachments are cleared, else loaded
+  auto operator<=>(const RenderPassDescription&) const = default;
+};
+
+struct RasterDescription {
+  std::string vertex, fragment;  // shader names
+  Constants constants;           // both stages
+  RenderPassDescription targets;
+  VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  VkCompareOp depth_compare = VK_COMPARE_OP_ALWAYS;
+  bool depth_write = false;
+  VkCullModeFlags cull = VK_CULL_MODE_NONE;
+  bool additive = false;  // colour = source + destination, all attachments
+  bool depth_clamp = false;
+  float depth_bias = 0, depth_bias_slope = 0;
+  auto operator<=>(const RasterDescription&) const = default;
+};
+
+class PipelineCache {
+ public:
+  explicit PipelineCache(Device& device);
+  ~PipelineCache();
+  VkPipelineLayout layout() const { return layout_; }
+  VkDescriptorSetLayout material_set_layout() const { return material_layout_; }
+  VkPipeline compute(const std::string& shader, const Constants& constants);
+  VkPipeline raster(const RasterDescription& description);
+  VkRenderPass render_pass(const RenderPassDescription& description);
+
+ private:
+  VkShaderModule module(const std::string& shader);
+
+  Device& device_;
+  VkDescriptorSetLayout push_layout_ = VK_NULL_HANDLE, material_layout_ = VK_NULL_HANDLE;
+  VkPipelineLayout layout_ = VK_NULL_HANDLE;
+  std::map<std::string, VkShaderModule> modules_;
+  std::map<std::pair<std::string, Constants>, VkPipeline> compute_;
+  std::map<RasterDescription, VkPipeline> raster_;
+  std::map<RenderPassDescription, VkRenderPass> render_passes_;
+};
+
+}  // namespace subpixel::gpu

@@ -1,0 +1,117 @@
+// Buffers, images and samplers. Each remembers its last use, from which the next pass derives its barrier.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "replay/gpu/device.hpp"
+
+namespace subpixel::gpu {
+
+// The last access of a resource: what the next one has to wait for.
+struct AccessState {
+  VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_NONE;
+  VkAccessFlags2 access = VK_ACCESS_2_NONE;
+  VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+};
+
+// Host-visible and coherent: on a CPU device that is the device's memory, elsewhere the mapped window of it.
+// Usable as storage, uniform, index, indirect and transfer buffer, and by address.
+class Buffer {
+ public:
+  Buffer() = default;
+  // Zero-filled. `bytes` 0 makes a buffer of 16 bytes, so that an empty scene binds like any other.
+  Buffer(Device& device, std::string name, VkDeviceSize bytes);
+  ~Buffer();
+  Buffer(Buffer&& other) noexcept;
+  Buffer& operator=(Buffer&& other) noexcept;
+
+  const std::string& name() const { return name_; }
+  VkBuffer handle() const { return buffer_; }
+  VkDeviceSize bytes() const { return bytes_; }
+  VkDeviceAddress address() const { return address_; }
+  std::span<std::byte> mapped() const { return {static_cast<std::byte*>(mapped_), static_cast<std::size_t>(bytes_)}; }
+  // The mapping seen as elements of T; the device must be idle.
+  template <typename T>
+  std::span<T> as() const {
+    return {static_cast<T*>(mapped_), static_cast<std::size_t>(bytes_) / sizeof(T)};
+  }
+  explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
+
+  AccessState state;
+
+ private:
+  Device* device_ = nullptr;
+  std::string name_;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkDeviceSize bytes_ = 0;
+  VkDeviceAddress address_ = 0;
+  void* mapped_ = nullptr;
+};
+
+struct ImageDescription {
+  std::string name;
+  VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
+  std::uint32_t width = 1, height = 1, mips = 1, layers = 1;
+  VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
+  VkImageUsageFlags usage = 0;  // transfer source and destination are always added
+};
+
+class Image {
+ public:
+  Image() = default;
+  Image(Device& device, const ImageDescription& description);
+  ~Image();
+  Image(Image&& other) noexcept;
+  Image& operator=(Image&& other) noexcept;
+
+  const ImageDescription& description() const { return description_; }
+  VkImage handle() const { return image_; }
+  VkImageView view() const { return view_; }
+  VkDeviceSize bytes() const { return bytes_; }  // what the device allocated
+  VkImageAspectFlags aspect() const;
+  explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
+
+  AccessState state;
+
+ private:
+  Device* device_ = nullptr;
+  ImageDescription description_;
+  VkImage image_ = VK_NULL_HANDLE;
+  VkImageView view_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkDeviceSize bytes_ = 0;
+};
+
+struct SamplerDescription {
+  VkFilter filter = VK_FILTER_LINEAR;
+  VkSamplerMipmapMode mipmap = VK_SAMPLER_MIPMAP_MODE_LINEAR;
+  VkSamplerAddressMode address = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+};
+
+class Sampler {
+ public:
+  Sampler() = default;
+  Sampler(Device& device, const SamplerDescription& description);
+  ~Sampler();
+  Sampler(Sampler&& other) noexcept;
+  Sampler& operator=(Sampler&& other) noexcept;
+  VkSampler handle() const { return sampler_; }
+
+ private:
+  Device* device_ = nullptr;
+  VkSampler sampler_ = VK_NULL_HANDLE;
+};
+
+std::uint32_t bytes_per_texel(VkFormat format);
+
+// Fills one mip level of one layer from tightly packed texels; waits.
+void upload(Device& device, Image& image, std::uint32_t mip, std::uint32_t layer, std::span<const std::byte> texels);
+// The texels of mip 0, layer 0, tightly packed, rows top to bottom; waits.
+std::vector<std::byte> download(Device& device, Image& image);
+
+}  // namespace subpixel::gpu

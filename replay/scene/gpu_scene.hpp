@@ -1,0 +1,79 @@
+// A capture made ready for the device: geometry and materials once, transforms, lights and shadow map for each frame.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture_format/capture.hpp"
+#include "replay/gpu/pass_recorder.hpp"
+#include "shaders/include/shared_types.h"
+
+namespace subpixel::replay {
+
+// What the scene needs, FEATURE_ bits of shared_types.h: shaders are specialised by them.
+struct SceneFeatures {
+  std::uint32_t bits = 0;
+  bool has(std::uint32_t feature) const { return (bits & feature) != 0; }
+  std::vector<std::string> names() const;
+};
+
+// One draw call of the current frame, instances included, in submission order.
+struct DrawItem {
+  std::uint32_t material = 0;
+  std::uint32_t first_index = 0;      // into `indices`
+  std::uint32_t triangle_count = 0;   // of one instance
+  std::uint32_t first_instance = 0;   // into `instances`
+  std::uint32_t instance_count = 0;
+};
+
+struct SceneOptions {
+  std::optional<std::uint32_t> point_lights;  // exactly this many; missing ones are placed inside the scene's bounds
+  std::uint32_t shadow_map_size = 2048;
+};
+
+class GpuScene {
+ public:
+  // Uploads geometry, textures (with mipmaps) and materials of all frames. Throws InputError (a texture that can't be
+  // decoded: which) and DeviceError.
+  GpuScene(gpu::Device& device, const capture::Capture& capture, const SceneOptions& options);
+  ~GpuScene();
+
+  // Makes frame `index` current at `width` x `height` pixels: instances, constants and the shadow map.
+  void set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t height);
+
+  const capture::Capture& capture() const { return capture_; }
+  SceneFeatures features() const { return features_; }
+  const std::vector<DrawItem>& draws() const { return draws_; }
+  std::uint64_t triangle_count() const;  // of the current frame, all instances
+  const gpu_types::FrameConstants& constants() const { return constants_value_; }
+  VkDescriptorSet material_set(std::uint32_t material) const;  // set 1: the material's textures, white where it has none
+  bool alpha_tested(std::uint32_t material) const;
+  bool two_sided(std::uint32_t material) const;
+  bool has_textures(std::uint32_t material) const;  // any texture: its draws can't share a bind with another material's
+  std::uint64_t bytes() const;  // geometry, textures, shadow map
+
+  gpu::Buffer positions;   // 3 floats a vertex, object space
+  gpu::Buffer normals;     // 3 floats a vertex, unit
+  gpu::Buffer uvs;         // 2 floats a vertex; empty without textures
+  gpu::Buffer tangents;    // 4 floats a vertex; empty without normal maps
+  gpu::Buffer indices;     // 32-bit, absolute vertex numbers
+  gpu::Buffer instances;   // InstanceRecord
+  gpu::Buffer materials;   // MaterialRecord
+  gpu::Buffer constants;   // FrameConstants
+  gpu::Image shadow_map;   // 1x1 without shadows
+  gpu::Sampler shadow_sampler;
+
+ private:
+  struct Impl;
+  gpu::Device& device_;
+  const capture::Capture& capture_;
+  SceneFeatures features_;
+  std::vector<DrawItem> draws_;
+  gpu_types::FrameConstants constants_value_{};
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace subpixel::replay

@@ -1,0 +1,98 @@
+// SQLite with RAII: a connection, a statement, a transaction. No SQL of the service in here; that is store.cpp.
+#pragma once
+
+#include <sqlite3.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace subpixel::server {
+
+// A failed SQLite call. `disk_full()` tells the one failure users can mend.
+class SqliteError : public std::runtime_error {
+ public:
+  SqliteError(sqlite3* connection, int code);
+  bool disk_full() const { return disk_full_; }
+
+ private:
+  bool disk_full_;
+};
+
+class Connection {
+ public:
+  // Opens or creates the file: WAL, foreign keys on, synchronous FULL, 10 s of waiting for another writer.
+  explicit Connection(const std::filesystem::path& file);
+  sqlite3* handle() const { return handle_.get(); }
+  // Runs statements that return nothing. Throws SqliteError.
+  void execute(const std::string& sql) const;
+  std::int64_t last_insert_id() const { return sqlite3_last_insert_rowid(handle()); }
+  std::int64_t changes() const { return sqlite3_changes64(handle()); }
+
+ private:
+  struct Close {
+    void operator()(sqlite3* connection) const { sqlite3_close_v2(connection); }
+  };
+  std::unique_ptr<sqlite3, Close> handle_;
+};
+
+// A prepared statement. Parameters are bound in the order of the calls of `bind`; columns are read in the same way.
+class Statement {
+ public:
+  Statement(const Connection& connection, std::string_view sql);
+
+  // Text and blobs must outlive the statement's steps.
+  Statement& bind(std::int64_t value);
+  Statement& bind(double value);
+  Statement& bind(std::string_view text);
+  Statement& bind(std::span<const std::byte> blob);
+  Statement& bind(std::nullptr_t);
+  template <typename T>
+  Statement& bind(const std::optional<T>& value) {
+    return value ? bind(*value) : bind(nullptr);
+  }
+
+  // True while there is a row. Throws SqliteError.
+  bool step();
+  // Steps a statement that returns no rows.
+  void run();
+
+  // The next column of the current row.
+  std::int64_t integer();
+  std::string text();  // NULL is empty
+  std::optional<std::string> optional_text();
+  std::string blob();
+
+ private:
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+  };
+  void check(int code) const;
+
+  sqlite3* connection_;
+  std::unique_ptr<sqlite3_stmt, Finalize> handle_;
+  int next_parameter_ = 1;
+  int next_column_ = 0;
+};
+
+// Takes the write lock at once, so that what it reads can't change before it writes. Rolls back unless committed.
+class Transaction {
+ public:
+  explicit Transaction(const Connection& connection);
+  ~Transaction();
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+  void commit();
+
+ private:
+  const Connection& connection_;
+  bool open_ = true;
+};
+
+}  // namespace subpixel::server

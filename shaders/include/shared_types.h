@@ -1,0 +1,80 @@
+// Structures that host and shaders share. Both languages include this file; members are vectors of four 32-bit values
+// or matrices of them, so that every buffer layout rule gives the same offsets.
+#ifndef SUBPIXEL_SHARED_TYPES_H
+#define SUBPIXEL_SHARED_TYPES_H
+
+#ifdef __cplusplus
+#include <glm/glm.hpp>
+namespace subpixel::gpu_types {
+using glm::mat4;
+using glm::uvec4;
+using glm::vec4;
+#endif
+
+#define SUBPIXEL_MAX_POINT_LIGHTS 256
+
+// What a scene needs, as bits of specialization constant 1 and of SceneFeatures. A clear bit removes the code.
+#define FEATURE_BASE_TEXTURE 1u       // some material has a base colour texture
+#define FEATURE_ALPHA_TEST 2u         // some material discards by alpha
+#define FEATURE_NORMAL_MAP 4u
+#define FEATURE_ROUGHNESS_TEXTURE 8u  // metallic-roughness texture
+#define FEATURE_EMISSIVE 16u          // some material emits
+#define FEATURE_EMISSIVE_TEXTURE 32u
+#define FEATURE_METAL 64u             // some material's metallic factor is not 0
+#define FEATURE_TWO_SIDED 128u
+#define FEATURE_SUN 256u
+#define FEATURE_SHADOWS 512u
+#define FEATURE_POINT_LIGHTS 1024u
+#define FEATURE_VARYING_ROUGHNESS 2048u  // roughness differs between materials or texels
+
+struct PointLightConstants {
+  vec4 position_range;  // world units
+  vec4 intensity;       // linear radiant intensity
+};
+
+// Uniform buffer, binding 0 of every pass.
+struct FrameConstants {
+  mat4 view_projection;          // world to clip: Vulkan conventions, reversed depth
+  mat4 inverse_view_projection;  // clip to world
+  mat4 view;                     // world to view
+  mat4 shadow_matrix;            // world to shadow map: xy texture coordinates, z depth (0 near, 1 far)
+  vec4 eye;                      // world position
+  vec4 sun_direction;            // unit, the way the light travels; w: shadow map texel size in world units
+  vec4 sun_irradiance;
+  vec4 ambient;
+  vec4 sky;
+  vec4 viewport;                 // width, height, 1/width, 1/height in pixels
+  vec4 tone;                     // exposure, unused
+  uvec4 counts;                  // point lights, materials, instances, unused
+  PointLightConstants point_lights[SUBPIXEL_MAX_POINT_LIGHTS];
+};
+
+// Storage buffer: one for each instance of each draw of the frame, in submission order.
+struct InstanceRecord {
+  vec4 world_row[3];   // rows of the object-to-world matrix
+  vec4 normal_row[3];  // rows of its inverse transpose; .w of row 0: -1 when the transform mirrors
+};
+
+#define MATERIAL_BASE_TEXTURE 1u
+#define MATERIAL_ALPHA_TEST 2u
+#define MATERIAL_NORMAL_MAP 4u
+#define MATERIAL_ROUGHNESS_TEXTURE 8u
+#define MATERIAL_EMISSIVE_TEXTURE 16u
+#define MATERIAL_TWO_SIDED 32u
+#define MATERIAL_ALPHA_BLEND 64u
+
+struct MaterialRecord {
+  vec4 base_colour;      // linear, alpha in w
+  vec4 emissive_cutoff;  // rgb linear radiance, w alpha cutoff
+  vec4 metal_rough;      // x metallic, y roughness
+  uvec4 flags;           // x: MATERIAL_ bits
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(PointLightConstants) == 32);
+static_assert(sizeof(FrameConstants) == 4 * 64 + 8 * 16 + SUBPIXEL_MAX_POINT_LIGHTS * 32);
+static_assert(sizeof(InstanceRecord) == 96);
+static_assert(sizeof(MaterialRecord) == 64);
+}  // namespace subpixel::gpu_types
+#endif
+#endif
