@@ -28,7 +28,10 @@ std::string csv_number(double value) {
 
 std::string csv_line(const std::vector<std::string>& fields) {
   std::string line;
-  for (std::size_t i = 0; i < fields.size(); ++i) line += (i == 0 ? "" : ",") + csv_field(fields[i]);
+  for (const std::string& field : fields) {
+    if (&field != &fields.front()) line += ',';
+    line += csv_field(field);
+  }
   return line + "\r\n";
 }
 
@@ -45,12 +48,14 @@ std::vector<std::string> union_of_names(const Results& results, NamesOf names_of
   return names;
 }
 
-std::string with_thousands(double value) {
-  std::string digits = fmt::format("{:.0f}", value);
-  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3) {
-    digits.insert(static_cast<std::size_t>(at), ",");
+std::string with_thousands(std::uint64_t value) {
+  const std::string digits = std::to_string(value);
+  std::string out;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i != 0 && (digits.size() - i) % 3 == 0) out += ',';
+    out += digits[i];
   }
-  return digits;
+  return out;
 }
 
 std::string or_dash(double value, const std::string& text) {
@@ -79,7 +84,7 @@ std::string head_block(const Results& results, const Summary* msaa, const Summar
   std::string out;
   out += fmt::format("capture    {}{}\n", known(head.capture_title), hash.empty() ? "" : " (" + hash + ")");
   out += fmt::format("frames     {} of {}x{}, {} triangles in the first, {} point lights\n", frames.size(), head.width,
-                     head.height, with_thousands(static_cast<double>(head.triangles_first_frame)), head.point_lights);
+                     head.height, with_thousands(head.triangles_first_frame), head.point_lights);
   out += fmt::format("driver     {} {}, {}\n", known(head.driver), head.driver_version, known(head.device));
   out += fmt::format("cpu        {}\n", known(head.cpu_model));
   out += head.reference_samples == 0 ? std::string("reference  none: no error is measured\n")
