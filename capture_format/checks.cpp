@@ -178,7 +178,9 @@ void check_metadata(const Metadata& metadata, const Report& report) {
   }
 }
 
-void check_buffer(const Buffer& buffer, const Report& report) { check_text("name", buffer.name, report); }
+void check_buffer(const Buffer& buffer, const Report& report) {
+  check_text("name", buffer.name, report);
+}
 
 void check_texture(const Texture& texture, const Report& report) {
   check_text("name", texture.name, report);
@@ -239,8 +241,8 @@ void check_frame(const Frame& frame, const Report& report) {
     check_not_negative("sun.irradiance", frame.sun->irradiance, report);
   }
   if (frame.point_lights.size() > kMaxPointLights) {
-    report("point_lights", std::to_string(frame.point_lights.size()) + " are more than " +
-                               std::to_string(kMaxPointLights));
+    report("point_lights",
+           std::to_string(frame.point_lights.size()) + " are more than " + std::to_string(kMaxPointLights));
   }
   for (std::size_t i = 0; i < frame.point_lights.size(); ++i) {
     const PointLight& light = frame.point_lights[i];
@@ -288,8 +290,8 @@ void IndexChecker::check(const Draw& draw, const Report& report) {
   if (found == ranges_.end()) {
     indices_read_ += draw.index_count;
     if (indices_read_ > kMaxIndicesChecked) {
-      report("index_count", "the draws' different index ranges hold more than " + std::to_string(kMaxIndicesChecked) +
-                                " indices");
+      report("index_count",
+             "the draws' different index ranges hold more than " + std::to_string(kMaxIndicesChecked) + " indices");
       return;
     }
     const std::byte* from = capture_.buffers[draw.index_buffer].bytes.data() + draw.index_offset;

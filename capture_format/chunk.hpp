@@ -50,7 +50,9 @@ struct ChunkHeader {
   std::uint64_t checksum = 0;  // XXH3-64 of the 32 header bytes before it and the stored payload
 };
 
-constexpr std::uint64_t aligned(std::uint64_t offset) { return (offset + kAlignment - 1) / kAlignment * kAlignment; }
+constexpr std::uint64_t aligned(std::uint64_t offset) {
+  return (offset + kAlignment - 1) / kAlignment * kAlignment;
+}
 
 // XXH3-64 of two stretches of bytes as if they were one.
 std::uint64_t checksum_of(std::span<const std::byte> first, std::span<const std::byte> second);

@@ -26,7 +26,8 @@ void decode_element(VertexFormat format, const std::byte* from, float* to) {
       return;
     case VertexFormat::float16x2:
     case VertexFormat::float16x4:
-      for (std::uint32_t c = 0; c < component_count(format); ++c) to[c] = half_to_float(load<std::uint16_t>(from + 2 * c));
+      for (std::uint32_t c = 0; c < component_count(format); ++c)
+        to[c] = half_to_float(load<std::uint16_t>(from + 2 * c));
       return;
     case VertexFormat::snorm8x4:
       for (std::uint32_t c = 0; c < 4; ++c) {
@@ -121,7 +122,9 @@ std::vector<Matrix4> world_transforms(const Capture& capture, const Draw& draw) 
   return transforms;
 }
 
-std::uint64_t triangle_count(const Draw& draw) { return std::uint64_t{draw.index_count / 3} * draw.instance_count; }
+std::uint64_t triangle_count(const Draw& draw) {
+  return std::uint64_t{draw.index_count / 3} * draw.instance_count;
+}
 
 Matrix4 multiply(const Matrix4& a, const Matrix4& b) {
   Matrix4 product{};

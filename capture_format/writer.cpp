@@ -1,7 +1,6 @@
 #include "capture_format/writer.hpp"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <zstd.h>
 
@@ -9,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <map>
+#include <random>
 #include <span>
 #include <string>
 #include <system_error>
@@ -29,7 +29,7 @@ class ByteWriter {
   std::vector<std::byte> bytes;
 
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
+  requires std::is_trivially_copyable_v<T>
   void put(const T& value) {
     const auto* from = reinterpret_cast<const std::byte*>(&value);
     bytes.insert(bytes.end(), from, from + sizeof value);
@@ -235,7 +235,9 @@ void require_valid(const Capture& capture) {
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::filesystem::path& target)
-      : target_(target), path_(target.string() + ".XXXXXX"), descriptor_(::mkstemp(path_.data())) {
+      : target_(target), path_(target.string() + "." + std::to_string(std::random_device{}()) + ".tmp") {
+    // O_EXCL: two writers of one capture must never share a file.
+    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0) fail_writing(target_, errno);
   }
   TemporaryFile(const TemporaryFile&) = delete;
@@ -255,9 +257,6 @@ class TemporaryFile {
   }
 
   void rename_to_target() {
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    if (::fchmod(descriptor_, 0666 & ~mask) != 0) fail_writing(target_, errno);  // mkstemp made it private
     if (::fsync(descriptor_) != 0) fail_writing(target_, errno);
     const int closed = ::close(descriptor_);
     descriptor_ = -1;
@@ -269,7 +268,7 @@ class TemporaryFile {
  private:
   std::filesystem::path target_;
   std::string path_;
-  int descriptor_;
+  int descriptor_ = -1;
 };
 
 }  // namespace

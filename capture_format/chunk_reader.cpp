@@ -1,0 +1,251 @@
+#include "capture_format/chunk_reader.hpp"
+
+#include <zstd.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "capture_format/error.hpp"
+
+namespace subpixel::capture {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+template <typename T>
+T load(std::span<const std::byte> bytes, std::uint64_t offset) {
+  T value;
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
+
+bool has_magic(std::span<const std::byte> bytes, std::uint64_t offset, std::span<const unsigned char> magic) {
+  return std::memcmp(bytes.data() + offset, magic.data(), magic.size()) == 0;
+}
+
+// A fuzzer can't guess checksums, so they hold in every build but its own.
+bool checksum_holds(std::uint64_t stored, std::uint64_t computed) {
+#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+  static_cast<void>(stored), static_cast<void>(computed);
+  return true;
+#else
+  return stored == computed;
+#endif
+}
+
+// The chunk header at `offset`, which the caller knows to lie inside the file; its payload must end by `end`.
+ChunkHeader load_header(std::span<const std::byte> file, std::uint64_t offset, std::uint64_t end) {
+  ChunkHeader header;
+  header.type = load<ChunkType>(file, offset);
+  header.id = load<std::uint32_t>(file, offset + 4);
+  header.codec = load<Codec>(file, offset + 8);
+  header.stored_bytes = load<std::uint64_t>(file, offset + 16);
+  header.decoded_bytes = load<std::uint64_t>(file, offset + 24);
+  header.checksum = load<std::uint64_t>(file, offset + 32);
+  const std::string name = chunk_name(header.type, header.id);
+  if (std::find(kChunkOrder.begin(), kChunkOrder.end(), header.type) == kChunkOrder.end()) {
+    fail_reading("unknown chunk type", offset, name, "type");
+  }
+  if (header.codec != Codec::raw && header.codec != Codec::zstd)
+    fail_reading("unknown codec", offset + 8, name, "codec");
+  if (load<std::uint32_t>(file, offset + 12) != 0) fail_reading("not 0", offset + 12, name, "reserved");
+  const std::uint64_t available = end - offset - kChunkHeaderBytes;
+  if (header.stored_bytes > available) {
+    fail_reading(
+        std::to_string(header.stored_bytes) + " bytes are said to follow, " + std::to_string(available) + " do",
+        offset + 16, name, "stored_bytes");
+  }
+  if (header.codec == Codec::raw && header.decoded_bytes != header.stored_bytes) {
+    fail_reading("differs from stored_bytes of an uncompressed chunk", offset + 24, name, "decoded_bytes");
+  }
+  return header;
+}
+
+std::size_t place_in_order(ChunkType type) {
+  return static_cast<std::size_t>(std::find(kChunkOrder.begin(), kChunkOrder.end(), type) - kChunkOrder.begin());
+}
+
+// Chunks of one type are numbered 0, 1, 2, ... and types stand in kChunkOrder, so every number is there once.
+void require_order(const ChunkAt& chunk, const std::vector<ChunkAt>& before) {
+  const ChunkHeader& header = chunk.header;
+  const bool continues = !before.empty() && before.back().header.type == header.type;
+  const std::uint32_t expected = continues ? before.back().header.id + 1 : 0;
+  const std::string name = chunk_name(header.type, header.id);
+  if (!before.empty() && place_in_order(header.type) < place_in_order(before.back().header.type)) {
+    fail_reading("stands after a later kind of chunk", chunk.offset, name, "type");
+  }
+  if (header.id != expected) fail_reading("out of sequence", chunk.offset + 4, name, "id");
+}
+
+std::uint64_t checked_footer(std::span<const std::byte> file) {
+  const std::uint64_t footer = file.size() - kFooterBytes;
+  if (!has_magic(file, footer + 24, kEndMagic)) {
+    fail_reading("the end is missing: the file is truncated or has bytes after its end", footer + 24, "footer",
+                 "end_magic");
+  }
+  if (load<std::uint64_t>(file, footer + 8) != file.size()) {
+    fail_reading("differs from the file's " + std::to_string(file.size()) + " bytes", footer + 8, "footer",
+                 "file_bytes");
+  }
+  if (!checksum_holds(load<std::uint64_t>(file, footer + 16),
+                      checksum_of(file.first(kHeaderBytes), file.subspan(footer, 16)))) {
+    fail_reading("header or footer is damaged", footer + 16, "footer", "checksum");
+  }
+  const auto index_offset = load<std::uint64_t>(file, footer);
+  if (index_offset < kHeaderBytes || index_offset % kAlignment != 0 || index_offset > footer ||
+      footer - index_offset < kChunkHeaderBytes) {
+    fail_reading(std::to_string(index_offset) + " is outside the file's chunks", footer, "footer", "index_offset");
+  }
+  return index_offset;
+}
+
+void require_index(std::span<const std::byte> file, std::uint64_t offset, const std::vector<ChunkAt>& chunks) {
+  const std::uint64_t footer = file.size() - kFooterBytes;
+  const ChunkAt index{load_header(file, offset, footer), offset};
+  const std::string name = chunk_name(index.header.type, index.header.id);
+  if (index.header.type != ChunkType::index || index.header.id != 0)
+    fail_reading("not the index", offset, name, "type");
+  if (index.header.codec != Codec::raw) fail_reading("the index is never compressed", offset + 8, name, "codec");
+  if (aligned(offset + kChunkHeaderBytes + index.header.stored_bytes) != footer) {
+    fail_reading("the index does not end at the footer", offset + 16, name, "stored_bytes");
+  }
+  if (index.header.stored_bytes != chunks.size() * kIndexEntryBytes) {
+    fail_reading("the index does not list the file's " + std::to_string(chunks.size()) + " chunks", offset + 16, name,
+                 "stored_bytes");
+  }
+  const std::vector<std::byte> entries = decode_chunk(file, index);
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    const std::uint64_t at = i * kIndexEntryBytes;
+    if (load<ChunkType>(entries, at) != chunks[i].header.type ||
+        load<std::uint32_t>(entries, at + 4) != chunks[i].header.id ||
+        load<std::uint64_t>(entries, at + 8) != chunks[i].offset) {
+      fail_reading("differs from the chunk that is there", offset + kChunkHeaderBytes + at, name,
+                   "entry " + std::to_string(i));
+    }
+  }
+}
+
+}  // namespace
+
+std::string chunk_name(ChunkType type, std::uint32_t id) {
+  const auto code = static_cast<std::uint32_t>(type);
+  std::string name;
+  for (int i = 0; i < 4; ++i) {
+    const char c = static_cast<char>(code >> (8 * i) & 0xff);
+    name += c >= ' ' && c <= '~' ? c : '?';
+  }
+  return name + " " + std::to_string(id);
+}
+
+void fail_reading(const std::string& why, std::uint64_t offset, const std::string& chunk, std::string_view field) {
+  std::string where = "byte " + std::to_string(offset);
+  if (!chunk.empty()) where += ", chunk " + chunk;
+  if (!field.empty()) where += ", field " + std::string(field);
+  throw InputError("the capture can't be read", why, where);
+}
+
+std::vector<ChunkAt> list_chunks(std::span<const std::byte> file, const ReadLimits& limits) {
+  if (file.size() < kMagic.size() || !has_magic(file, 0, kMagic)) {
+    fail_reading("this is no .spcap capture", 0, "header", "magic");
+  }
+  if (file.size() < kHeaderBytes + kChunkHeaderBytes + kFooterBytes) {
+    fail_reading("the file is truncated to " + std::to_string(file.size()) + " bytes", file.size(), "", "");
+  }
+  const auto version = load<std::uint32_t>(file, 8);
+  if (version != kVersion) {
+    fail_reading("version " + std::to_string(version) + ", this program reads version " + std::to_string(kVersion), 8,
+                 "header", "version");
+  }
+  if (load<std::uint32_t>(file, 12) != 0) fail_reading("not 0", 12, "header", "flags");
+  const std::uint64_t index_offset = checked_footer(file);
+
+  std::vector<ChunkAt> chunks;
+  std::uint64_t decoded_bytes = 0;
+  std::uint64_t offset = kHeaderBytes;
+  while (offset < index_offset) {
+    if (index_offset - offset < kChunkHeaderBytes) fail_reading("no room for a chunk header", offset, "", "");
+    const ChunkAt chunk{load_header(file, offset, index_offset), offset};
+    require_order(chunk, chunks);
+    const std::string name = chunk_name(chunk.header.type, chunk.header.id);
+    if (chunk.header.decoded_bytes > limits.decoded_bytes - decoded_bytes) {
+      fail_reading("more than " + std::to_string(limits.decoded_bytes) + " bytes in all", offset + 24, name,
+                   "decoded_bytes");
+    }
+    decoded_bytes += chunk.header.decoded_bytes;
+    const std::uint64_t end = offset + kChunkHeaderBytes + chunk.header.stored_bytes;
+    for (std::uint64_t i = end; i < aligned(end); ++i) {  // both are multiples of 8 away from index_offset at most
+      if (file[i] != std::byte{0}) fail_reading("not 0", i, name, "padding");
+    }
+    chunks.push_back(chunk);
+    offset = aligned(end);
+  }
+  require_index(file, index_offset, chunks);
+  return chunks;
+}
+
+std::vector<std::byte> decode_chunk(std::span<const std::byte> file, const ChunkAt& chunk) {
+  const std::string name = chunk_name(chunk.header.type, chunk.header.id);
+  const auto stored = file.subspan(chunk.offset + kChunkHeaderBytes, chunk.header.stored_bytes);
+  if (!checksum_holds(chunk.header.checksum, checksum_of(file.subspan(chunk.offset, kChunkHeaderBytes - 8), stored))) {
+    fail_reading("the chunk's bytes are damaged", chunk.offset + 32, name, "checksum");
+  }
+  if (chunk.header.codec == Codec::raw) return {stored.begin(), stored.end()};
+  // The frame's own size is asked first: memory is taken only when it says the same as the header.
+  if (ZSTD_getFrameContentSize(stored.data(), stored.size()) != chunk.header.decoded_bytes) {
+    fail_reading("differs from the compressed payload's own size", chunk.offset + 24, name, "decoded_bytes");
+  }
+  std::vector<std::byte> decoded(chunk.header.decoded_bytes);
+  const std::size_t got = ZSTD_decompress(decoded.data(), decoded.size(), stored.data(), stored.size());
+  if (ZSTD_isError(got) != 0) {
+    fail_reading(std::string("zstd: ") + ZSTD_getErrorName(got), chunk.offset + kChunkHeaderBytes, name, "payload");
+  }
+  if (got != decoded.size()) {
+    fail_reading("the payload decodes to " + std::to_string(got) + " bytes", chunk.offset + 24, name, "decoded_bytes");
+  }
+  return decoded;
+}
+
+const std::byte* FieldReader::take(std::size_t size, std::string_view field) {
+  if (size > payload_.size() - at_) fail(field, "the chunk ends before it");
+  const std::byte* from = payload_.data() + at_;
+  at_ += size;
+  return from;
+}
+
+bool FieldReader::flag(std::string_view field) {
+  const auto value = get<std::uint32_t>(field);
+  if (value > 1) fail(field, std::to_string(value) + " is neither 0 nor 1");
+  return value == 1;
+}
+
+std::string FieldReader::text(std::string_view field) {
+  const auto size = get<std::uint32_t>(field);
+  if (size > kMaxTextBytes) fail(field, "longer than " + std::to_string(kMaxTextBytes) + " bytes");
+  const auto* from = reinterpret_cast<const char*>(take(size, field));
+  return {from, from + size};
+}
+
+std::uint32_t FieldReader::count(std::string_view field, std::uint32_t most, std::size_t record_bytes) {
+  const auto value = get<std::uint32_t>(field);
+  if (value > most) fail(field, std::to_string(value) + " is more than " + std::to_string(most));
+  if (value > (payload_.size() - at_) / record_bytes) {
+    fail(field, std::to_string(value) + " records do not fit the chunk");
+  }
+  return value;
+}
+
+void FieldReader::finish() {
+  if (at_ != payload_.size()) {
+    fail("end", std::to_string(payload_.size() - at_) + " bytes follow the last field");
+  }
+}
+
+void FieldReader::fail(std::string_view field, const std::string& why) const {
+  const std::string record = kind_.empty() ? "" : std::string(kind_) + " " + std::to_string(number_) + ", ";
+  // A compressed payload has no file offset of its own: the chunk's is given, and where in the decoded payload it is.
+  const std::string chunk = chunk_name(chunk_.header.type, chunk_.header.id) + ", decoded byte " + std::to_string(at_) +
+                            (record.empty() ? "" : ", " + record.substr(0, record.size() - 2));
+  fail_reading(why, chunk_.offset, chunk, field);
+}
+
+}  // namespace subpixel::capture

@@ -1,0 +1,78 @@
+// Splits the bytes of a .spcap file into checked, decompressed chunks, and reads fields of a chunk's payload.
+// Private to the reader.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "capture_format/chunk.hpp"
+#include "capture_format/limits.hpp"
+
+namespace subpixel::capture {
+
+struct ChunkAt {
+  ChunkHeader header;
+  std::uint64_t offset = 0;  // of the chunk's header in the file
+};
+
+std::string chunk_name(ChunkType type, std::uint32_t id);
+
+// Throws InputError("the capture can't be read", why, "byte N, chunk C, field F"); empty parts are left out.
+[[noreturn]] void fail_reading(const std::string& why, std::uint64_t offset, const std::string& chunk,
+                               std::string_view field);
+
+// All chunks but the index, in file order. Checks everything outside payloads: magic, version, footer, index against
+// the chunks themselves, order and numbering, sizes against the file, padding, and that the decoded sizes together
+// stay within the limits. Payload checksums are left to decode_chunk().
+std::vector<ChunkAt> list_chunks(std::span<const std::byte> file, const ReadLimits& limits);
+
+// The payload of a chunk from list_chunks(), its checksum verified, decompressed to exactly its decoded size.
+std::vector<std::byte> decode_chunk(std::span<const std::byte> file, const ChunkAt& chunk);
+
+// Reads a payload field by field. Each read names its field and throws when the payload ends before it.
+class FieldReader {
+ public:
+  FieldReader(std::span<const std::byte> payload, const ChunkAt& chunk) : payload_(payload), chunk_(chunk) {}
+
+  template <typename T>
+  requires std::is_trivially_copyable_v<T> T get(std::string_view field) {
+    T value;
+    std::memcpy(&value, take(sizeof value, field), sizeof value);
+    return value;
+  }
+
+  // 0 or 1.
+  bool flag(std::string_view field);
+
+  // A text of at most kMaxTextBytes; whether it is UTF-8 is for checks.hpp.
+  std::string text(std::string_view field);
+
+  // A count of records of at least `record_bytes` each: refused unless so many can still follow.
+  std::uint32_t count(std::string_view field, std::uint32_t most, std::size_t record_bytes);
+
+  // Names the record that following fields belong to, for messages: "draw 17, ".
+  void enter(std::string_view kind, std::uint32_t number) { kind_ = kind, number_ = number; }
+  void leave() { kind_ = {}; }
+
+  // Throws unless the payload is used up.
+  void finish();
+
+  [[noreturn]] void fail(std::string_view field, const std::string& why) const;
+
+ private:
+  const std::byte* take(std::size_t size, std::string_view field);
+
+  std::span<const std::byte> payload_;
+  const ChunkAt& chunk_;
+  std::size_t at_ = 0;
+  std::string_view kind_;
+  std::uint32_t number_ = 0;
+};
+
+}  // namespace subpixel::capture
