@@ -1,0 +1,80 @@
+// The radiance a surface sends to the eye: sun with shadow map, point lights, ambient, emission.
+// Reads: frame constants; the shadow map, sampled slot 7 (set 0, binding 19), when the scene has shadows.
+// Returns linear radiance, finite and not negative for every finite surface; a normal of no length is lit as if it
+// faced the viewer, other values are clamped as brdf.glsl says.
+#ifndef SUBPIXEL_LIGHTS_GLSL
+#define SUBPIXEL_LIGHTS_GLSL
+
+#include "include/frame.glsl"
+#include "include/brdf.glsl"
+
+layout(set = 0, binding = 19) uniform sampler2D shadow_map;
+
+// Below this fraction of its range a point light gets no brighter.
+const float kInnermostFraction = 0.01;
+const float kRadianceCeiling = 60000.0;  // stays finite in half floats
+
+// The lit fraction of the 3x3 texels around a point, borders weighted by overlap: a box filter that moves smoothly.
+// The receiver is lifted along its normal by more than the filter's reach as its slope to the light grows.
+float sun_visibility(vec3 position, vec3 normal, float normal_light) {
+  float lift = frame.sun_direction.w * (0.6 + 2.4 * (1.0 - normal_light));
+  vec4 lifted = frame.shadow_matrix * vec4(position + normal * lift, 1.0);
+  lifted = clamp(lifted, -1.0, 2.0);  // far outside is lit anyway, and gathers want finite coordinates
+  vec2 size = vec2(textureSize(shadow_map, 0));
+  vec2 texel = lifted.xy * size - 0.5;
+  vec2 corner = floor(texel);
+  vec2 f = texel - corner;
+  vec2 inverse_size = 1.0 / size;
+  // Gathers return the 2x2 texels around a corner they share, counter-clockwise from (0, 1).
+  vec2 base = corner * inverse_size;
+  vec4 g00 = textureGather(shadow_map, base);
+  vec4 g20 = textureGather(shadow_map, base + vec2(2.0, 0.0) * inverse_size);
+  vec4 g02 = textureGather(shadow_map, base + vec2(0.0, 2.0) * inverse_size);
+  vec4 g22 = textureGather(shadow_map, base + vec2(2.0, 2.0) * inverse_size);
+  float z = min(lifted.z, 1.0);
+  vec4 lit00 = vec4(lessThanEqual(vec4(z), g00)), lit20 = vec4(lessThanEqual(vec4(z), g20));
+  vec4 lit02 = vec4(lessThanEqual(vec4(z), g02)), lit22 = vec4(lessThanEqual(vec4(z), g22));
+  vec4 row0 = vec4(lit00.wz, lit20.wz), row1 = vec4(lit00.xy, lit20.xy);
+  vec4 row2 = vec4(lit02.wz, lit22.wz), row3 = vec4(lit02.xy, lit22.xy);
+  vec4 across = vec4(1.0 - f.x, 1.0, 1.0, f.x);
+  float sum = dot(row0 * (1.0 - f.y) + row1 + row2 + row3 * f.y, across);
+  bool inside = all(greaterThanEqual(lifted.xy, vec2(0.0))) && all(lessThanEqual(lifted.xy, vec2(1.0)));
+  return inside ? sum * (1.0 / 9.0) : 1.0;
+}
+
+// Radiance towards the eye along `view_direction`, the unit vector from the surface to the eye.
+vec3 shade(Surface s, vec3 view_direction) {
+  float length_squared = dot(s.normal, s.normal);
+  bool usable = length_squared > 1e-12 && length_squared < 1e12;
+  s.normal = usable ? s.normal * inversesqrt(length_squared) : view_direction;
+  Brdf b = prepare_brdf(s, view_direction);
+  vec3 radiance = frame.ambient.rgb * b.ambient * s.occlusion;
+  if (has_feature(FEATURE_EMISSIVE)) radiance += s.emissive;
+  if (has_feature(FEATURE_SUN)) {
+    vec3 light = -frame.sun_direction.xyz;
+    float normal_light = clamp(dot(s.normal, light), 0.0, 1.0);
+    vec3 sun = frame.sun_irradiance.rgb * reflected(b, light, normal_light);
+    if (has_feature(FEATURE_SHADOWS)) sun *= sun_visibility(s.position, s.normal, normal_light);
+    radiance += sun;
+  }
+  if (has_feature(FEATURE_POINT_LIGHTS)) {
+    uint count = min(frame.counts.x, uint(SUBPIXEL_MAX_POINT_LIGHTS));
+    for (uint i = 0u; i < count; ++i) {
+      vec4 position_range = frame.point_lights[i].position_range;
+      vec4 intensity = frame.point_lights[i].intensity;  // w: 1 / range^2
+      vec3 to_light = position_range.xyz - s.position;
+      float distance_squared = dot(to_light, to_light);
+      float inverse = inversesqrt(max(distance_squared, 1e-20));
+      vec3 light = to_light * inverse;
+      float x = distance_squared * intensity.w;  // (distance / range)^2
+      float window = max(1.0 - x * x, 0.0);
+      float innermost = position_range.w * position_range.w * (kInnermostFraction * kInnermostFraction);
+      float attenuation = window * window * min(inverse * inverse, 1.0 / max(innermost, 1e-20));
+      radiance += intensity.rgb * (attenuation * reflected(b, light, clamp(dot(s.normal, light), 0.0, 1.0)));
+    }
+  }
+  // min and max return the other operand for a NaN, so what an infinite position could make ends here.
+  return max(min(radiance, vec3(kRadianceCeiling)), vec3(0.0));
+}
+
+#endif
