@@ -1,0 +1,311 @@
+#include "replay/gpu/device.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include "capture_format/error.hpp"
+#include "replay/gpu/pipeline.hpp"
+
+namespace subpixel::gpu {
+namespace {
+
+std::string cpu_model() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("model name")) {
+      const auto colon = line.find(':');
+      if (colon != std::string::npos) return line.substr(line.find_first_not_of(' ', colon + 1));
+    }
+  }
+  return "unknown";
+}
+
+const char* result_name(VkResult result) {
+  switch (result) {
+    case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
+    case VK_ERROR_DEVICE_LOST: return "device lost";
+    case VK_ERROR_INITIALIZATION_FAILED: return "initialization failed";
+    case VK_ERROR_LAYER_NOT_PRESENT: return "layer not present";
+    case VK_ERROR_EXTENSION_NOT_PRESENT: return "extension not present";
+    case VK_ERROR_FEATURE_NOT_PRESENT: return "feature not present";
+    case VK_ERROR_INCOMPATIBLE_DRIVER: return "no compatible driver";
+    default: return nullptr;
+  }
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL collect_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                               VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  auto& errors = *static_cast<std::string*>(user);
+  if (errors.size() < 16384) errors += std::string(data->pMessage) + "\n";
+  return VK_FALSE;
+}
+
+constexpr const char* kRequiredExtensions[] = {
+    VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME,
+    VK_EXT_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXTENSION_NAME,
+};
+
+struct Features {
+  VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+  VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  VkPhysicalDeviceRasterizationOrderAttachmentAccessFeaturesEXT order{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_FEATURES_EXT};
+  Features() {
+    core.pNext = &v12;
+    v12.pNext = &v13;
+    v13.pNext = &order;
+  }
+  Features(const Features&) = delete;
+  Features& operator=(const Features&) = delete;
+};
+
+// The features every pass may rely on: each named once, both for the probe and for the device's creation.
+struct FeatureNeed {
+  const char* name;
+  VkBool32& (*get)(Features&);
+};
+constexpr FeatureNeed kNeeds[] = {
+    {"shaderInt64", [](Features& f) -> VkBool32& { return f.core.features.shaderInt64; }},
+    {"shaderFloat64", [](Features& f) -> VkBool32& { return f.core.features.shaderFloat64; }},
+    {"fragmentStoresAndAtomics", [](Features& f) -> VkBool32& { return f.core.features.fragmentStoresAndAtomics; }},
+    {"multiDrawIndirect", [](Features& f) -> VkBool32& { return f.core.features.multiDrawIndirect; }},
+    {"independentBlend", [](Features& f) -> VkBool32& { return f.core.features.independentBlend; }},
+    {"depthClamp", [](Features& f) -> VkBool32& { return f.core.features.depthClamp; }},
+    {"bufferDeviceAddress", [](Features& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
+    {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
+    {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
+    {"rasterizationOrderColorAttachmentAccess",
+     [](Features& f) -> VkBool32& { return f.order.rasterizationOrderColorAttachmentAccess; }},
+};
+
+std::vector<std::string> missing_needs(VkPhysicalDevice physical) {
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(physical, &properties);
+  if (properties.apiVersion < VK_API_VERSION_1_3) return {"Vulkan 1.3"};
+  std::vector<std::string> missing;
+  std::uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+  for (const char* wanted : kRequiredExtensions) {
+    bool found = false;
+    for (const auto& extension : extensions) found = found || std::strcmp(extension.extensionName, wanted) == 0;
+    if (!found) missing.emplace_back(wanted);
+  }
+  Features available;
+  vkGetPhysicalDeviceFeatures2(physical, &available.core);
+  for (const auto& need : kNeeds)
+    if (!need.get(available)) missing.emplace_back(need.name);
+  if (properties.limits.maxColorAttachments < 8) missing.emplace_back("8 colour attachments");
+  return missing;
+}
+
+bool is_lavapipe(VkPhysicalDevice physical) {
+  VkPhysicalDeviceVulkan12Properties v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v12};
+  vkGetPhysicalDeviceProperties2(physical, &properties);
+  return v12.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+}
+
+std::string device_name(VkPhysicalDevice physical) {
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(physical, &properties);
+  return properties.deviceName;
+}
+
+}  // namespace
+
+void check(VkResult result, std::string_view call) {
+  if (result >= VK_SUCCESS) return;
+  const char* name = result_name(result);
+  throw DeviceError("device", name ? name : fmt::format("Vulkan error {}", static_cast<int>(result)), std::string(call));
+}
+
+Device::Device(const DeviceOptions& options) {
+  create_instance(options);
+  choose_physical(options);
+  create_device();
+  pipelines_ = std::make_unique<PipelineCache>(*this);
+}
+
+void Device::create_instance(const DeviceOptions& options) {
+  VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+  application.pApplicationName = "subpixel";
+  application.apiVersion = VK_API_VERSION_1_3;
+  VkInstanceCreateInfo create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  create.pApplicationInfo = &application;
+  const char* layer = "VK_LAYER_KHRONOS_validation";
+  const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+  if (options.validation) {
+    create.enabledLayerCount = 1;
+    create.ppEnabledLayerNames = &layer;
+    create.enabledExtensionCount = 1;
+    create.ppEnabledExtensionNames = &extension;
+  }
+  const VkResult result = vkCreateInstance(&create, nullptr, &instance_);
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
+    throw DeviceError("device", "no Vulkan driver is installed (Debian: mesa-vulkan-drivers)", "vkCreateInstance");
+  check(result, "vkCreateInstance");
+  if (options.validation) {
+    const auto make = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
+    VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+    messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
+    messenger.pfnUserCallback = collect_message;
+    messenger.pUserData = &validation_errors_;
+    check(make(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT");
+  }
+}
+
+void Device::choose_physical(const DeviceOptions& options) {
+  std::uint32_t count = 0;
+  check(vkEnumeratePhysicalDevices(instance_, &count, nullptr), "vkEnumeratePhysicalDevices");
+  std::vector<VkPhysicalDevice> devices(count);
+  check(vkEnumeratePhysicalDevices(instance_, &count, devices.data()), "vkEnumeratePhysicalDevices");
+  if (devices.empty()) throw DeviceError("device", "no Vulkan device was found", "vkEnumeratePhysicalDevices");
+  std::string refused;
+  for (VkPhysicalDevice device : devices) {
+    if (!options.any_device && !is_lavapipe(device)) {
+      refused += fmt::format("{}{} is not lavapipe", refused.empty() ? "" : "; ", device_name(device));
+      continue;
+    }
+    const auto missing = missing_needs(device);
+    if (missing.empty()) {
+      physical_ = device;
+      break;
+    }
+    refused += fmt::format("{}{} lacks {}", refused.empty() ? "" : "; ", device_name(device), fmt::join(missing, ", "));
+  }
+  if (!physical_) throw DeviceError("device", "no usable Vulkan device: " + refused, "feature probe");
+
+  VkPhysicalDeviceVulkan12Properties v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
+  VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES, &v12};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &maintenance3};
+  vkGetPhysicalDeviceProperties2(physical_, &properties);
+  const auto& core = properties.properties;
+  info_.device = core.deviceName;
+  info_.driver = v12.driverName;
+  info_.driver_version = v12.driverInfo;
+  info_.cpu_model = cpu_model();
+  info_.is_cpu = core.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  info_.max_storage_buffer_range = core.limits.maxStorageBufferRange;
+  info_.max_buffer_size = maintenance3.maxMemoryAllocationSize;
+  info_.max_image_dimension = core.limits.maxImageDimension2D;
+  timestamp_period_ns_ = core.limits.timestampPeriod;
+  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+}
+
+void Device::create_device() {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
+  constexpr VkQueueFlags kWanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  for (queue_family_ = 0; queue_family_ < count; ++queue_family_)
+    if ((families[queue_family_].queueFlags & kWanted) == kWanted) break;
+  if (queue_family_ == count)
+    throw DeviceError("device", "no queue for graphics and compute", "vkGetPhysicalDeviceQueueFamilyProperties");
+
+  const float priority = 1;
+  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue.queueFamilyIndex = queue_family_;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  Features enabled;
+  for (const auto& need : kNeeds) need.get(enabled) = VK_TRUE;
+  VkDeviceCreateInfo create{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &enabled.core};
+  create.queueCreateInfoCount = 1;
+  create.pQueueCreateInfos = &queue;
+  create.enabledExtensionCount = static_cast<std::uint32_t>(std::size(kRequiredExtensions));
+  create.ppEnabledExtensionNames = kRequiredExtensions;
+  check(vkCreateDevice(physical_, &create, nullptr, &device_), "vkCreateDevice");
+  vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+  push_descriptor_set = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
+      vkGetDeviceProcAddr(device_, "vkCmdPushDescriptorSetKHR"));
+
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+  pool.queueFamilyIndex = queue_family_;
+  check(vkCreateCommandPool(device_, &pool, nullptr, &command_pool_), "vkCreateCommandPool");
+  VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  allocate.commandPool = command_pool_;
+  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  allocate.commandBufferCount = 1;
+  check(vkAllocateCommandBuffers(device_, &allocate, &command_buffer_), "vkAllocateCommandBuffers");
+  VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  check(vkCreateFence(device_, &fence, nullptr, &fence_), "vkCreateFence");
+  VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+  queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  queries.queryCount = 2;
+  check(vkCreateQueryPool(device_, &queries, nullptr, &timestamps_), "vkCreateQueryPool");
+}
+
+Device::~Device() {
+  pipelines_.reset();
+  if (device_) {
+    vkDeviceWaitIdle(device_);
+    vkDestroyQueryPool(device_, timestamps_, nullptr);
+    vkDestroyFence(device_, fence_, nullptr);
+    vkDestroyCommandPool(device_, command_pool_, nullptr);
+    vkDestroyDevice(device_, nullptr);
+  }
+  if (messenger_) {
+    const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
+    destroy(instance_, messenger_, nullptr);
+  }
+  if (instance_) vkDestroyInstance(instance_, nullptr);
+}
+
+double Device::run(const std::function<void(VkCommandBuffer)>& record) {
+  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  check(vkBeginCommandBuffer(command_buffer_, &begin), "vkBeginCommandBuffer");
+  if (!info_.is_cpu) {
+    vkCmdResetQueryPool(command_buffer_, timestamps_, 0, 2);
+    vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, timestamps_, 0);
+  }
+  record(command_buffer_);
+  if (!info_.is_cpu) vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, 1);
+  check(vkEndCommandBuffer(command_buffer_), "vkEndCommandBuffer");
+
+  const auto start = std::chrono::steady_clock::now();
+  VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  submit.commandBufferCount = 1;
+  submit.pCommandBuffers = &command_buffer_;
+  check(vkQueueSubmit(queue_, 1, &submit, fence_), "vkQueueSubmit");
+  check(vkWaitForFences(device_, 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+  const double wall_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  check(vkResetFences(device_, 1, &fence_), "vkResetFences");
+  if (!validation_errors_.empty()) {
+    const std::string errors = std::exchange(validation_errors_, {});
+    throw DeviceError("device", "validation: " + errors, "vkQueueSubmit");
+  }
+  if (info_.is_cpu) return wall_ms;
+  std::uint64_t ticks[2] = {};
+  check(vkGetQueryPoolResults(device_, timestamps_, 0, 2, sizeof ticks, ticks, sizeof ticks[0],
+                              VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+        "vkGetQueryPoolResults");
+  return static_cast<double>(ticks[1] - ticks[0]) * static_cast<double>(timestamp_period_ns_) * 1e-6;
+}
+
+std::uint32_t Device::memory_type(std::uint32_t allowed_types, VkMemoryPropertyFlags required,
+                                  VkMemoryPropertyFlags preferred) const {
+  for (const VkMemoryPropertyFlags wanted : {required | preferred, required}) {
+    for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
+      if ((allowed_types >> i & 1u) && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
+    }
+  }
+  throw DeviceError("device", "no memory type fits", "vkGetPhysicalDeviceMemoryProperties");
+}
+
+}  // namespace subpixel::gpu

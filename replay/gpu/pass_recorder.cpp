@@ -1,0 +1,315 @@
+#include "replay/gpu/pass_recorder.hpp"
+
+#include <algorithm>
+
+namespace subpixel::gpu {
+
+Binding uniform(Buffer& buffer) { return {Binding::Kind::uniform, 0, &buffer, nullptr, nullptr}; }
+Binding reads(std::uint32_t slot, Buffer& buffer) { return {Binding::Kind::storage_read, slot, &buffer, nullptr, nullptr}; }
+Binding writes(std::uint32_t slot, Buffer& buffer) {
+  return {Binding::Kind::storage_write, slot, &buffer, nullptr, nullptr};
+}
+Binding samples(std::uint32_t slot, Image& image, const Sampler* sampler) {
+  return {Binding::Kind::sampled, slot, nullptr, &image, sampler};
+}
+Binding image_writes(std::uint32_t slot, Image& image) { return {Binding::Kind::image_write, slot, nullptr, &image, nullptr}; }
+
+void DrawEncoder::push(const PushConstants& push) {
+  vkCmdPushConstants(commands_, device_.pipelines().layout(), VK_SHADER_STAGE_ALL, 0, kPushConstantBytes,
+                     push.bytes.data());
+}
+void DrawEncoder::pipeline(const RasterDescription& description) {
+  vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, device_.pipelines().raster(description));
+}
+void DrawEncoder::material(VkDescriptorSet set) {
+  vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, device_.pipelines().layout(), 1, 1, &set, 0,
+                          nullptr);
+}
+void DrawEncoder::index_buffer(const Buffer& buffer) {
+  vkCmdBindIndexBuffer(commands_, buffer.handle(), 0, VK_INDEX_TYPE_UINT32);
+}
+void DrawEncoder::draw(std::uint32_t vertices, std::uint32_t instances, std::uint32_t first_vertex,
+                       std::uint32_t first_instance) {
+  vkCmdDraw(commands_, vertices, instances, first_vertex, first_instance);
+}
+void DrawEncoder::draw_indexed_indirect(const Buffer& buffer, VkDeviceSize offset, std::uint32_t draws) {
+  vkCmdDrawIndexedIndirect(commands_, buffer.handle(), offset, draws, sizeof(VkDrawIndexedIndirectCommand));
+}
+void DrawEncoder::viewport(float x, float y, float width, float height) {
+  const VkViewport viewport{x, y, width, height, 0, 1};
+  vkCmdSetViewport(commands_, 0, 1, &viewport);
+}
+
+PassRecorder::Framebuffers::~Framebuffers() {
+  for (const VkFramebuffer handle : handles) vkDestroyFramebuffer(device.handle(), handle, nullptr);
+}
+
+PassRecorder::PassRecorder(Device& device)
+    : device_(device),
+      nearest_(device, {VK_FILTER_NEAREST, VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE}),
+      framebuffers_{device, {}} {}
+
+Buffer& PassRecorder::buffer(std::string name, VkDeviceSize bytes) {
+  return buffers_.emplace_back(device_, std::move(name), bytes);
+}
+Image& PassRecorder::image(const ImageDescription& description) { return images_.emplace_back(device_, description); }
+
+std::uint64_t PassRecorder::allocated_bytes() const {
+  std::uint64_t total = 0;
+  for (const auto& buffer : buffers_) total += buffer.bytes();
+  for (const auto& image : images_) total += image.bytes();
+  return total;
+}
+
+std::size_t PassRecorder::timing(const std::string& name) {
+  for (std::size_t i = 0; i < timings_.size(); ++i)
+    if (timings_[i].name == name) return i;
+  timings_.push_back({name, {}});
+  return timings_.size() - 1;
+}
+
+std::vector<PassRecorder::Use> PassRecorder::uses_of(const std::vector<Binding>& bindings,
+                                                     VkPipelineStageFlags2 stages) const {
+  std::vector<Use> uses;
+  for (const auto& binding : bindings) {
+    Use use{binding.buffer, binding.image, {stages, VK_ACCESS_2_SHADER_READ_BIT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL}};
+    switch (binding.kind) {
+      case Binding::Kind::uniform: use.state.access = VK_ACCESS_2_UNIFORM_READ_BIT; break;
+      case Binding::Kind::storage_read:
+      case Binding::Kind::sampled: break;
+      case Binding::Kind::storage_write: use.state.access |= VK_ACCESS_2_SHADER_WRITE_BIT; break;
+      case Binding::Kind::image_read: use.state.layout = VK_IMAGE_LAYOUT_GENERAL; break;
+      case Binding::Kind::image_write:
+        use.state.layout = VK_IMAGE_LAYOUT_GENERAL;
+        use.state.access |= VK_ACCESS_2_SHADER_WRITE_BIT;
+        break;
+    }
+    uses.push_back(use);
+  }
+  return uses;
+}
+
+void PassRecorder::barrier(VkCommandBuffer commands, const std::vector<Use>& uses) {
+  // One memory barrier carries all buffers: their dependencies differ only in stages, which a CPU device ignores and
+  // others merge. Images need their own for the layout.
+  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  std::vector<VkImageMemoryBarrier2> images;
+  for (const auto& use : uses) {
+    AccessState& last = use.buffer ? use.buffer->state : use.image->state;
+    if (use.buffer) {
+      memory.srcStageMask |= last.stages;
+      memory.srcAccessMask |= last.access;
+      memory.dstStageMask |= use.state.stages;
+      memory.dstAccessMask |= use.state.access;
+    } else {
+      VkImageMemoryBarrier2 image{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+      image.srcStageMask = last.stages;
+      image.srcAccessMask = last.access;
+      image.dstStageMask = use.state.stages;
+      image.dstAccessMask = use.state.access;
+      image.oldLayout = last.layout;
+      image.newLayout = use.state.layout;
+      image.image = use.image->handle();
+      image.subresourceRange = {use.image->aspect(), 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS};
+      images.push_back(image);
+    }
+    last = use.state;
+  }
+  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  dependency.memoryBarrierCount = 1;
+  dependency.pMemoryBarriers = &memory;
+  dependency.imageMemoryBarrierCount = static_cast<std::uint32_t>(images.size());
+  dependency.pImageMemoryBarriers = images.data();
+  vkCmdPipelineBarrier2(commands, &dependency);
+}
+
+void PassRecorder::bind(VkCommandBuffer commands, VkPipelineBindPoint point, const std::vector<Binding>& bindings,
+                        const std::vector<Image*>& inputs) {
+  const std::size_t count = bindings.size() + inputs.size();
+  if (count == 0) return;
+  std::vector<VkDescriptorBufferInfo> buffers(count);
+  std::vector<VkDescriptorImageInfo> images(count);
+  std::vector<VkWriteDescriptorSet> descriptors(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    auto& write = descriptors[i];
+    write = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    write.descriptorCount = 1;
+    write.pBufferInfo = &buffers[i];
+    write.pImageInfo = &images[i];
+    if (i >= bindings.size()) {
+      const std::size_t input = i - bindings.size();
+      write.dstBinding = static_cast<std::uint32_t>(kInputAttachmentBinding + input);
+      write.descriptorType = VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT;
+      images[i] = {VK_NULL_HANDLE, inputs[input]->view(), VK_IMAGE_LAYOUT_GENERAL};
+      continue;
+    }
+    const auto& binding = bindings[i];
+    // A range over the device's limit is bound up to it; passes that need more read by address.
+    if (binding.buffer)
+      buffers[i] = {binding.buffer->handle(), 0,
+                    std::min(binding.buffer->bytes(), device_.info().max_storage_buffer_range)};
+    switch (binding.kind) {
+      case Binding::Kind::uniform:
+        write.dstBinding = kUniformBinding;
+        write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+        break;
+      case Binding::Kind::storage_read:
+      case Binding::Kind::storage_write:
+        write.dstBinding = kStorageBinding + binding.slot;
+        write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        break;
+      case Binding::Kind::sampled:
+        write.dstBinding = kSampledBinding + binding.slot;
+        write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+        images[i] = {binding.sampler ? binding.sampler->handle() : nearest_.handle(), binding.image->view(),
+                     VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+        break;
+      case Binding::Kind::image_read:
+      case Binding::Kind::image_write:
+        write.dstBinding = kStorageImageBinding + binding.slot;
+        write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+        images[i] = {VK_NULL_HANDLE, binding.image->view(), VK_IMAGE_LAYOUT_GENERAL};
+        break;
+    }
+  }
+  device_.push_descriptor_set(commands, point, device_.pipelines().layout(), 0, static_cast<std::uint32_t>(count),
+                              descriptors.data());
+}
+
+void PassRecorder::compute(ComputePass pass) {
+  Step step;
+  step.timing = timing(pass.name);
+  step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
+  for (Buffer* buffer : pass.by_address)
+    step.uses.push_back({buffer, nullptr,
+                         {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                          VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
+  const VkPipeline pipeline = device_.pipelines().compute(pass.shader, pass.constants);
+  step.record = [this, pipeline, pass = std::move(pass)](VkCommandBuffer commands) {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.bindings, {});
+    vkCmdPushConstants(commands, device_.pipelines().layout(), VK_SHADER_STAGE_ALL, 0, kPushConstantBytes,
+                       pass.push.bytes.data());
+    if (pass.groups[0] > 0 && pass.groups[1] > 0 && pass.groups[2] > 0)
+      vkCmdDispatch(commands, pass.groups[0], pass.groups[1], pass.groups[2]);
+  };
+  steps_.push_back(std::move(step));
+}
+
+VkFramebuffer PassRecorder::framebuffer(const RasterPass& pass, VkRenderPass render_pass) {
+  std::vector<VkImageView> views;
+  for (const Image* image : pass.colours) views.push_back(image->view());
+  if (pass.depth) views.push_back(pass.depth->view());
+  const auto& size = (pass.colours.empty() ? pass.depth : pass.colours.front())->description();
+  VkFramebufferCreateInfo create{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
+  create.renderPass = render_pass;
+  create.attachmentCount = static_cast<std::uint32_t>(views.size());
+  create.pAttachments = views.data();
+  create.width = size.width;
+  create.height = size.height;
+  create.layers = 1;
+  VkFramebuffer handle = VK_NULL_HANDLE;
+  check(vkCreateFramebuffer(device_.handle(), &create, nullptr, &handle), "vkCreateFramebuffer");
+  framebuffers_.handles.push_back(handle);
+  return handle;
+}
+
+void PassRecorder::raster(RasterPass pass) {
+  const bool ordered = pass.pipeline.targets.ordered_read;
+  Step step;
+  step.timing = timing(pass.name);
+  step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
+  for (Buffer* buffer : pass.by_address)
+    step.uses.push_back({buffer, nullptr,
+                         {VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                          VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
+  for (Buffer* buffer : pass.indices_and_indirect)
+    step.uses.push_back({buffer, nullptr,
+                         {VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+                          VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
+  for (Image* image : pass.colours)
+    step.uses.push_back({nullptr, image,
+                         {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                          VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT |
+                              VK_ACCESS_2_INPUT_ATTACHMENT_READ_BIT,
+                          ordered ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}});
+  if (pass.depth)
+    step.uses.push_back(
+        {nullptr, pass.depth,
+         {VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+          VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
+          VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}});
+
+  const VkPipeline pipeline = device_.pipelines().raster(pass.pipeline);
+  const VkRenderPass render_pass = device_.pipelines().render_pass(pass.pipeline.targets);
+  const VkFramebuffer target = framebuffer(pass, render_pass);
+  const auto& size = (pass.colours.empty() ? pass.depth : pass.colours.front())->description();
+  const VkExtent2D extent{size.width, size.height};
+  step.record = [this, pipeline, render_pass, target, extent, ordered, pass = std::move(pass)](VkCommandBuffer commands) {
+    std::vector<VkClearValue> clears;
+    for (const auto& bits : pass.clear_colours) {
+      VkClearValue value{};
+      std::copy(bits.begin(), bits.end(), value.color.uint32);
+      clears.push_back(value);
+    }
+    clears.resize(pass.colours.size());
+    VkClearValue depth{};
+    depth.depthStencil = {pass.clear_depth, 0};
+    if (pass.depth) clears.push_back(depth);
+    VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+    begin.renderPass = render_pass;
+    begin.framebuffer = target;
+    begin.renderArea.extent = extent;
+    begin.clearValueCount = static_cast<std::uint32_t>(clears.size());
+    begin.pClearValues = clears.data();
+    vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.bindings, ordered ? pass.colours : std::vector<Image*>{});
+    DrawEncoder encoder(device_, commands);
+    encoder.push(pass.push);
+    encoder.viewport(0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height));
+    const VkRect2D scissor{{0, 0}, extent};
+    vkCmdSetScissor(commands, 0, 1, &scissor);
+    if (pass.draws)
+      pass.draws(encoder);
+    else
+      encoder.draw(3);
+    vkCmdEndRenderPass(commands);
+  };
+  steps_.push_back(std::move(step));
+}
+
+void PassRecorder::fill(std::string name, Buffer& buffer, std::uint32_t value) {
+  Step step;
+  step.timing = timing(name);
+  step.uses = {{&buffer, nullptr,
+                {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED}}};
+  step.record = [&buffer, value](VkCommandBuffer commands) {
+    vkCmdFillBuffer(commands, buffer.handle(), 0, VK_WHOLE_SIZE, value);
+  };
+  steps_.push_back(std::move(step));
+}
+
+void PassRecorder::host(std::function<void()> work) {
+  Step step;
+  step.host = std::move(work);
+  steps_.push_back(std::move(step));
+}
+
+void PassRecorder::run() {
+  // Passes of one name (the bands or sample groups of one logical pass) count as one.
+  std::vector<double> totals(timings_.size(), 0.0);
+  for (auto& step : steps_) {
+    if (step.host) {
+      step.host();
+      continue;
+    }
+    totals[step.timing] += device_.run([&](VkCommandBuffer commands) {
+      barrier(commands, step.uses);
+      step.record(commands);
+    });
+  }
+  for (std::size_t i = 0; i < totals.size(); ++i) timings_[i].ms.push_back(totals[i]);
+}
+
+}  // namespace subpixel::gpu

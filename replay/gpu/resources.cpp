@@ -1,0 +1,237 @@
+#include "replay/gpu/resources.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <utility>
+
+#include "capture_format/error.hpp"
+
+namespace subpixel::gpu {
+namespace {
+
+VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, VkMemoryPropertyFlags required,
+                        VkMemoryPropertyFlags preferred, bool by_address, const std::string& name) {
+  VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, by_address ? &flags : nullptr};
+  info.allocationSize = needs.size;
+  info.memoryTypeIndex = device.memory_type(needs.memoryTypeBits, required, preferred);
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  const VkResult result = vkAllocateMemory(device.handle(), &info, nullptr, &memory);
+  if (result < 0) throw DeviceError("device", fmt::format("can't allocate {} bytes", needs.size), name);
+  return memory;
+}
+
+}  // namespace
+
+Buffer::Buffer(Device& device, std::string name, VkDeviceSize bytes)
+    : device_(&device), name_(std::move(name)), bytes_(bytes == 0 ? 16 : (bytes + 15) / 16 * 16) {
+  if (bytes_ > device.info().max_buffer_size)
+    throw DeviceError("device", fmt::format("a buffer of {} bytes is over the device's limit of {}", bytes_,
+                                            device.info().max_buffer_size), name_);
+  VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  create.size = bytes_;
+  create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+                 VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                 VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+  check(vkCreateBuffer(device.handle(), &create, nullptr, &buffer_), "vkCreateBuffer");
+  VkMemoryRequirements needs;
+  vkGetBufferMemoryRequirements(device.handle(), buffer_, &needs);
+  try {
+    memory_ = allocate(device, needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+                       VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, true, name_);
+  } catch (...) {
+    vkDestroyBuffer(device.handle(), buffer_, nullptr);
+    throw;
+  }
+  check(vkBindBufferMemory(device.handle(), buffer_, memory_, 0), "vkBindBufferMemory");
+  check(vkMapMemory(device.handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "vkMapMemory");
+  std::memset(mapped_, 0, bytes_);
+  VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
+  address.buffer = buffer_;
+  address_ = vkGetBufferDeviceAddress(device.handle(), &address);
+}
+
+Buffer::~Buffer() {
+  if (!device_) return;
+  vkDestroyBuffer(device_->handle(), buffer_, nullptr);
+  vkFreeMemory(device_->handle(), memory_, nullptr);
+}
+
+Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+
+Buffer& Buffer::operator=(Buffer&& other) noexcept {
+  std::swap(state, other.state);
+  std::swap(device_, other.device_);
+  std::swap(name_, other.name_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(memory_, other.memory_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(address_, other.address_);
+  std::swap(mapped_, other.mapped_);
+  return *this;
+}
+
+VkImageAspectFlags Image::aspect() const {
+  return description_.format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
+
+Image::Image(Device& device, const ImageDescription& description) : device_(&device), description_(description) {
+  const auto limit = device.info().max_image_dimension;
+  if (description.width > limit || description.height > limit)
+    throw DeviceError("device", fmt::format("{}x{} is over the device's image limit of {}", description.width,
+                                            description.height, limit), description.name);
+  VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+  create.imageType = VK_IMAGE_TYPE_2D;
+  create.format = description.format;
+  create.extent = {description.width, description.height, 1};
+  create.mipLevels = description.mips;
+  create.arrayLayers = description.layers;
+  create.samples = description.samples;
+  create.tiling = VK_IMAGE_TILING_OPTIMAL;
+  create.usage = description.usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  check(vkCreateImage(device.handle(), &create, nullptr, &image_), "vkCreateImage");
+  VkMemoryRequirements needs;
+  vkGetImageMemoryRequirements(device.handle(), image_, &needs);
+  bytes_ = needs.size;
+  try {
+    memory_ = allocate(device, needs, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, false, description.name);
+  } catch (...) {
+    vkDestroyImage(device.handle(), image_, nullptr);
+    throw;
+  }
+  check(vkBindImageMemory(device.handle(), image_, memory_, 0), "vkBindImageMemory");
+  VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+  view.image = image_;
+  view.viewType = description.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+  view.format = description.format;
+  view.subresourceRange = {aspect(), 0, description.mips, 0, description.layers};
+  check(vkCreateImageView(device.handle(), &view, nullptr, &view_), "vkCreateImageView");
+}
+
+Image::~Image() {
+  if (!device_) return;
+  vkDestroyImageView(device_->handle(), view_, nullptr);
+  vkDestroyImage(device_->handle(), image_, nullptr);
+  vkFreeMemory(device_->handle(), memory_, nullptr);
+}
+
+Image::Image(Image&& other) noexcept { *this = std::move(other); }
+
+Image& Image::operator=(Image&& other) noexcept {
+  std::swap(state, other.state);
+  std::swap(device_, other.device_);
+  std::swap(description_, other.description_);
+  std::swap(image_, other.image_);
+  std::swap(view_, other.view_);
+  std::swap(memory_, other.memory_);
+  std::swap(bytes_, other.bytes_);
+  return *this;
+}
+
+Sampler::Sampler(Device& device, const SamplerDescription& description) : device_(&device) {
+  VkSamplerCreateInfo create{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  create.magFilter = create.minFilter = description.filter;
+  create.mipmapMode = description.mipmap;
+  create.addressModeU = create.addressModeV = create.addressModeW = description.address;
+  create.maxLod = VK_LOD_CLAMP_NONE;
+  create.borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE;
+  check(vkCreateSampler(device.handle(), &create, nullptr, &sampler_), "vkCreateSampler");
+}
+
+Sampler::~Sampler() {
+  if (device_) vkDestroySampler(device_->handle(), sampler_, nullptr);
+}
+
+Sampler::Sampler(Sampler&& other) noexcept { *this = std::move(other); }
+
+Sampler& Sampler::operator=(Sampler&& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(sampler_, other.sampler_);
+  return *this;
+}
+
+std::uint32_t bytes_per_texel(VkFormat format) {
+  switch (format) {
+    case VK_FORMAT_R8_UNORM:
+    case VK_FORMAT_R8_UINT: return 1;
+    case VK_FORMAT_R8G8B8A8_UNORM:
+    case VK_FORMAT_R8G8B8A8_SRGB:
+    case VK_FORMAT_R32_UINT:
+    case VK_FORMAT_R32_SFLOAT:
+    case VK_FORMAT_D32_SFLOAT: return 4;
+    case VK_FORMAT_R32G32_UINT:
+    case VK_FORMAT_R32G32_SFLOAT:
+    case VK_FORMAT_R16G16B16A16_SFLOAT: return 8;
+    case VK_FORMAT_R32G32B32A32_UINT:
+    case VK_FORMAT_R32G32B32A32_SFLOAT: return 16;
+    default: throw std::logic_error(fmt::format("texel size of format {}", static_cast<int>(format)));
+  }
+}
+
+namespace {
+
+void transition(VkCommandBuffer commands, Image& image, AccessState next) {
+  VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+  barrier.srcStageMask = image.state.stages;
+  barrier.srcAccessMask = image.state.access;
+  barrier.dstStageMask = next.stages;
+  barrier.dstAccessMask = next.access;
+  barrier.oldLayout = image.state.layout;
+  barrier.newLayout = next.layout;
+  barrier.image = image.handle();
+  barrier.subresourceRange = {image.aspect(), 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS};
+  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  dependency.imageMemoryBarrierCount = 1;
+  dependency.pImageMemoryBarriers = &barrier;
+  vkCmdPipelineBarrier2(commands, &dependency);
+  image.state = next;
+}
+
+}  // namespace
+
+void upload(Device& device, Image& image, std::uint32_t mip, std::uint32_t layer, std::span<const std::byte> texels) {
+  const auto& description = image.description();
+  const std::uint32_t width = std::max(1u, description.width >> mip), height = std::max(1u, description.height >> mip);
+  const std::size_t expected = std::size_t{width} * height * bytes_per_texel(description.format);
+  if (texels.size() != expected)
+    throw std::logic_error(fmt::format("upload to {}: {} bytes given, {} expected", description.name, texels.size(), expected));
+  Buffer staging(device, description.name + " upload", texels.size());
+  std::memcpy(staging.mapped().data(), texels.data(), texels.size());
+  device.run([&](VkCommandBuffer commands) {
+    transition(commands, image, {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL});
+    VkBufferImageCopy copy{};
+    copy.imageSubresource = {image.aspect(), mip, layer, 1};
+    copy.imageExtent = {width, height, 1};
+    vkCmdCopyBufferToImage(commands, staging.handle(), image.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+  });
+}
+
+std::vector<std::byte> download(Device& device, Image& image) {
+  const auto& description = image.description();
+  const std::size_t bytes = std::size_t{description.width} * description.height * bytes_per_texel(description.format);
+  Buffer staging(device, description.name + " download", bytes);
+  device.run([&](VkCommandBuffer commands) {
+    transition(commands, image, {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT,
+                                 VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL});
+    VkBufferImageCopy copy{};
+    copy.imageSubresource = {image.aspect(), 0, 0, 1};
+    copy.imageExtent = {description.width, description.height, 1};
+    vkCmdCopyImageToBuffer(commands, image.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging.handle(), 1, &copy);
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = VK_PIPELINE_STAGE_2_TRANSFER_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+    barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.memoryBarrierCount = 1;
+    dependency.pMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands, &dependency);
+  });
+  return {staging.mapped().begin(), staging.mapped().begin() + static_cast<std::ptrdiff_t>(bytes)};
+}
+
+}  // namespace subpixel::gpu
