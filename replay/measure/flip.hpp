@@ -1,0 +1,37 @@
+// FLIP, the difference a person sees when two images alternate in place.
+// Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild: "FLIP: A Difference Evaluator for Alternating
+// Images", Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020 (High Performance Graphics).
+#pragma once
+
+#include <numbers>
+#include <vector>
+
+#include "replay/measure/image.hpp"
+
+namespace subpixel::replay {
+
+// Section 4.1: a display's pixels per degree of visual angle, distance in metres over the width of `pixels` pixels.
+constexpr double pixels_per_degree(double distance_m, double pixels, double width_m) {
+  return distance_m * (pixels / width_m) * (std::numbers::pi / 180);
+}
+
+struct FlipOptions {
+  // The paper's default: a 0.7 m wide display of 3840 pixels seen from 0.7 m, 67.02 pixels per degree.
+  double pixels_per_degree = replay::pixels_per_degree(0.7, 3840, 0.7);
+  unsigned threads = 2;  // the result is the same for every number
+};
+
+struct FlipResult {
+  Image map;  // one channel, 0 (no visible difference) to 1
+  double mean = 0;
+  double minimum = 0, maximum = 0;
+  double p99 = 0;  // smallest value that 99% of the pixels don't exceed
+  // Weighted percentiles (section 6.2): the value at which the errors below it, added up, reach 25, 50 and 75% of all.
+  double weighted_first_quartile = 0, weighted_median = 0, weighted_third_quartile = 0;
+};
+
+// Both images are display images of the same size, with 1, 3 or 4 channels; values are clamped to 0..1 and NaN counts
+// as 0. FLIP is symmetric. Throws InputError when the sizes differ or the pixels per degree are not in 1 to 1000.
+FlipResult flip(const Image& reference, const Image& test, const FlipOptions& options = {});
+
+}  // namespace subpixel::replay

@@ -1,0 +1,56 @@
+// Images on the host: what frames are read back into, what metrics compare, and their PNG and EXR files.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace subpixel::replay {
+
+// display: sRGB-encoded, black 0 to white 1. linear: scene light, any value of 0 or more.
+enum class Encoding { display, linear };
+
+// Row-major from the top left, `channels` floats a pixel. Colour is in the first three channels (or in the only one);
+// metrics ignore a fourth.
+struct Image {
+  std::uint32_t width = 0, height = 0, channels = 0;
+  std::vector<float> pixels;
+  Encoding encoding = Encoding::display;
+
+  Image() = default;
+  Image(std::uint32_t image_width, std::uint32_t image_height, std::uint32_t image_channels,
+        Encoding image_encoding = Encoding::display, float value = 0)
+      : width(image_width),
+        height(image_height),
+        channels(image_channels),
+        pixels(std::size_t{image_width} * image_height * image_channels, value),
+        encoding(image_encoding) {}
+
+  std::size_t offset(std::uint32_t x, std::uint32_t y) const { return (std::size_t{y} * width + x) * channels; }
+  std::uint32_t colour_channels() const { return channels < 3 ? 1 : 3; }
+};
+
+// The sRGB transfer (IEC 61966-2-1), both ways; outside 0..1 by the same formulae, negative values to 0.
+float srgb_encode(float linear);
+float srgb_decode(float display);
+
+// Clamps linear colour to 0..1 and encodes it; a fourth channel is clamped only. No tone curve: that is the shading
+// model's. A display image comes back as it is.
+Image to_display(const Image& image);
+
+// Largest side that is read or written; beyond it an image is taken for damaged.
+inline constexpr std::uint32_t max_image_side = 32768;
+
+// Any format OpenImageIO reads, first four channels at most. Integer formats give display values, float formats linear
+// ones. Throws InputError naming the file.
+Image read_image(const std::filesystem::path& path);
+
+// 8 bits a channel, rounded to nearest; NaN writes 0. 1, 3 or 4 channels. The same image gives the same bytes.
+std::vector<std::uint8_t> encode_png(const Image& image);
+
+enum class ExrPixel { half_float, full_float };
+std::vector<std::uint8_t> encode_exr(const Image& image, ExrPixel pixel = ExrPixel::half_float);
+
+}  // namespace subpixel::replay

@@ -1,0 +1,38 @@
+// Differences between an image and its reference. Sums are in double, row by row in one order, so a metric has the same
+// bits whatever the number of threads. All take images of equal size, or throw InputError that names both sizes.
+#pragma once
+
+#include "replay/measure/image.hpp"
+
+namespace subpixel::replay {
+
+// Throws InputError unless both images have the same width, height and number of colour channels.
+void require_same_shape(const Image& a, const Image& b);
+
+// Mean over pixels and colour channels of (test - reference)^2, on display values.
+double mse(const Image& reference, const Image& test);
+
+// -10 log10(mse) dB, for a peak of 1; infinite when the images are equal.
+double psnr_db(double mse);
+
+// On linear values: mean over pixels and colour channels of (test - reference)^2 / (reference^2 + 0.01). The constant
+// keeps dark references from ruling the mean, as in Rousselle et al. 2011 (there 0.001) and in the denoising literature
+// since, where 0.01 is usual.
+double hdr_relative_mse(const Image& reference, const Image& test);
+
+// Structural similarity, Wang et al. 2004: Rec. 709 luma of the display values, 11x11 Gaussian of sigma 1.5, K1 = 0.01,
+// K2 = 0.03, mean over the windows that lie wholly inside. 1 for equal images; NaN when a side is below 11 pixels.
+double ssim(const Image& reference, const Image& test);
+
+// Over time: mean over pixels and colour channels of |(test[k+1] - test[k]) - (reference[k+1] - reference[k])|, on
+// display values. What moves in the test but not in the reference.
+double flicker(const Image& reference_before, const Image& reference_after, const Image& test_before,
+               const Image& test_after);
+
+// One channel: the largest difference of a pixel's colour channels, |test - reference|.
+Image error_map(const Image& reference, const Image& test);
+
+// Pixels with a value that is NaN, infinite or negative in any channel: 0 in every image of a working technique.
+std::uint64_t invalid_pixels(const Image& image);
+
+}  // namespace subpixel::replay
