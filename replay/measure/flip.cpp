@@ -1,0 +1,387 @@
+#include "replay/measure/flip.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <thread>
+
+#include "capture_format/error.hpp"
+#include "replay/measure/flip_filters.hpp"
+#include "replay/measure/metrics.hpp"
+#include "replay/measure/percentiles.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+using LaneBits = std::int32_t __attribute__((vector_size(16)));
+
+Lanes all(float value) {
+  return Lanes{value, value, value, value};
+}
+
+Lanes load(const float* from) {
+  Lanes value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+
+void store(float* to, Lanes value) {
+  std::memcpy(to, &value, sizeof value);
+}
+
+Lanes clamp_to_one(Lanes value) {
+  value = value < 0 ? all(0) : value;
+  return value > 1 ? all(1) : value;
+}
+
+// Linear sRGB to CIE XYZ over the white point (IEC 61966-2-1 primaries, D65), so that white is (1, 1, 1), and back.
+struct Colour {
+  Lanes x, y, z;
+};
+
+constexpr double xyz_from_rgb[3][3] = {{10135552.0 / 23359437, 8788810.0 / 23359437, 4435075.0 / 23359437},
+                                       {2613072.0 / 12288897, 8788810.0 / 12288897, 887015.0 / 12288897},
+                                       {1425312.0 / 80288307, 8788810.0 / 80288307, 70074185.0 / 80288307}};
+
+// Inverse of a 3x3 matrix by cofactors.
+constexpr std::array<std::array<float, 3>, 3> inverse(const double (&m)[3][3]) {
+  std::array<std::array<float, 3>, 3> out{};
+  const double determinant = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                             m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                             m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const int a = (j + 1) % 3;
+      const int b = (j + 2) % 3;
+      const int c = (i + 1) % 3;
+      const int d = (i + 2) % 3;
+      out[i][j] = static_cast<float>((m[a][c] * m[b][d] - m[a][d] * m[b][c]) / determinant);
+    }
+  }
+  return out;
+}
+
+constexpr std::array<std::array<float, 3>, 3> rgb_from_xyz = inverse(xyz_from_rgb);
+
+Colour to_xyz(const Colour& rgb) {
+  const auto row = [&](const double(&m)[3]) {
+    return static_cast<float>(m[0]) * rgb.x + static_cast<float>(m[1]) * rgb.y + static_cast<float>(m[2]) * rgb.z;
+  };
+  return {row(xyz_from_rgb[0]), row(xyz_from_rgb[1]), row(xyz_from_rgb[2])};
+}
+
+Colour to_rgb(const Colour& xyz) {
+  const auto row = [&](const std::array<float, 3>& m) { return m[0] * xyz.x + m[1] * xyz.y + m[2] * xyz.z; };
+  return {row(rgb_from_xyz[0]), row(rgb_from_xyz[1]), row(rgb_from_xyz[2])};
+}
+
+// Cube root of positive values: a third of the exponent as the first guess, then two of Halley's steps, each of which
+// cubes the error (3.5% -> 3e-5 -> below float's).
+Lanes cube_root(Lanes value) {
+  const Lanes third = __builtin_convertvector((LaneBits)value, Lanes) * (1.0F / 3.0F) + 709921077.0F;
+  Lanes root = (Lanes) __builtin_convertvector(third, LaneBits);
+  for (int step = 0; step < 2; ++step) {
+    const Lanes cube = root * root * root;
+    root = root * (cube + 2.0F * value) / (2.0F * cube + value);
+  }
+  return root;
+}
+
+// CIELAB's companding (CIE 15).
+Lanes lab_curve(Lanes value) {
+  constexpr float delta = 6.0F / 29.0F;
+  const Lanes straight = value * (1.0F / (3.0F * delta * delta)) + 4.0F / 29.0F;
+  const LaneBits above = value > delta * delta * delta;
+  return above ? cube_root(above ? value : all(1)) : straight;
+}
+
+// L*, and a* and b* scaled by lightness: the Hunt effect (section 4.1.2).
+Colour hunt_lab(const Colour& xyz) {
+  const Lanes x = lab_curve(xyz.x);
+  const Lanes y = lab_curve(xyz.y);
+  const Lanes z = lab_curve(xyz.z);
+  const Lanes lightness = 116.0F * y - 16.0F;
+  const Lanes hunt = 0.01F * lightness;
+  return {lightness, hunt * (500.0F * (x - y)), hunt * (200.0F * (y - z))};
+}
+
+float hyab(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  const float da = a[1] - b[1];
+  const float db = a[2] - b[2];
+  return std::abs(a[0] - b[0]) + std::sqrt(da * da + db * db);
+}
+
+constexpr float colour_exponent = 0.7F;   // q_c, section 4.1.3
+constexpr float compressed_share = 0.4F;  // p_c: below this share of the largest difference ...
+constexpr float compressed_to = 0.95F;    // p_t: ... the scale is spread over this much of 0..1
+
+// Largest colour difference: between green and blue (section 4.1.3).
+float largest_colour_difference() {
+  const auto first_lane = [](const Colour& c) { return std::array<float, 3>{c.x[0], c.y[0], c.z[0]}; };
+  const Colour green = hunt_lab(to_xyz({all(0), all(1), all(0)}));
+  const Colour blue = hunt_lab(to_xyz({all(0), all(0), all(1)}));
+  return std::pow(hyab(first_lane(green), first_lane(blue)), colour_exponent);
+}
+
+// sRGB decoding by linear interpolation between 16 points for each step of an 8-bit value: exact at 8-bit values, and
+// within 3e-8 between them.
+class DecodeTable {
+ public:
+  DecodeTable() {
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+      const double display = static_cast<double>(std::min(i, steps)) / steps;
+      const double linear = display <= 0.04045 ? display / 12.92 : std::pow((display + 0.055) / 1.055, 2.4);
+      table_[i] = static_cast<float>(linear);
+    }
+  }
+  float operator()(float display) const {
+    if (!(display > 0)) return 0;
+    const float at = std::min(display, 1.0F) * static_cast<float>(steps);
+    const auto below = static_cast<std::size_t>(at);
+    const float share = at - static_cast<float>(below);
+    return table_[below] + share * (table_[below + 1] - table_[below]);
+  }
+
+ private:
+  static constexpr std::size_t steps = 255 * 16;
+  std::array<float, steps + 2> table_{};
+};
+
+struct FlipContext {
+  FlipKernels kernels;
+  DecodeTable decode;
+  float largest_difference = largest_colour_difference();
+};
+
+// Horizontally filtered rows of one image, as many as the vertical kernels reach over, newest in place of oldest.
+class FilteredRows {
+ public:
+  FilteredRows(const FlipContext& context, const Image& image)
+      : context_(context),
+        image_(image),
+        y_(image.width, context.kernels.radius),
+        cx_(image.width, context.kernels.radius),
+        cz_(image.width, context.kernels.radius),
+        row_of_slot_(2 * context.kernels.radius + 1, -1) {
+    for (auto& plane : planes_) plane.assign(row_of_slot_.size(), PaddedRow(image.width, 0));
+  }
+
+  enum Plane { achromatic, red_green, blue_yellow_wide, blue_yellow_narrow, smooth, edge, point, plane_count };
+
+  // Makes rows `y` - radius to `y` + radius available; `y` grows from call to call.
+  void advance(int y) {
+    const int last = std::min(y + context_.kernels.radius, static_cast<int>(image_.height) - 1);
+    for (int row = std::max(y - context_.kernels.radius, 0); row <= last; ++row) {
+      const std::size_t slot = row % row_of_slot_.size();
+      if (row_of_slot_[slot] == row) continue;
+      row_of_slot_[slot] = row;
+      filter_row(row, slot);
+    }
+  }
+
+  const float* row(Plane plane, int y) const {
+    const int inside = std::clamp(y, 0, static_cast<int>(image_.height) - 1);
+    return planes_[plane][inside % row_of_slot_.size()].data();
+  }
+
+  std::uint32_t width() const { return image_.width; }
+
+ private:
+  // Y, C_x and C_z of a row (section 4.1.1), Y as 0..1 since both of its uses are linear in it.
+  void load_row(int y) {
+    const float* pixel = &image_.pixels[image_.offset(0, static_cast<std::uint32_t>(y))];
+    const bool grey = image_.colour_channels() == 1;
+    for (std::uint32_t x = 0; x < image_.width; ++x, pixel += image_.channels) {
+      const float r = context_.decode(pixel[0]);
+      y_.data()[x] = r;
+      cx_.data()[x] = grey ? r : context_.decode(pixel[1]);
+      cz_.data()[x] = grey ? r : context_.decode(pixel[2]);
+    }
+    for (std::uint32_t x = 0; x < image_.width; x += lane_count) {
+      const Colour xyz = to_xyz({load(y_.data() + x), load(cx_.data() + x), load(cz_.data() + x)});
+      store(y_.data() + x, xyz.y);
+      store(cx_.data() + x, xyz.x - xyz.y);
+      store(cz_.data() + x, xyz.y - xyz.z);
+    }
+    y_.extend_border();
+    cx_.extend_border();
+    cz_.extend_border();
+  }
+
+  static Lanes symmetric(const float* at, const HalfKernel& kernel) {
+    Lanes sum = kernel[0] * load(at);
+    for (std::size_t k = 1; k < kernel.size(); ++k) sum += kernel[k] * (load(at - k) + load(at + k));
+    return sum;
+  }
+
+  void filter_row(int y, std::size_t slot) {
+    load_row(y);
+    const FlipKernels& k = context_.kernels;
+    for (std::uint32_t x = 0; x < image_.width; x += lane_count) {
+      const auto put = [&](Plane plane, Lanes value) { store(planes_[plane][slot].data() + x, value); };
+      put(achromatic, symmetric(y_.data() + x, k.achromatic));
+      put(red_green, symmetric(cx_.data() + x, k.red_green));
+      put(blue_yellow_wide, symmetric(cz_.data() + x, k.blue_yellow_wide));
+      put(blue_yellow_narrow, symmetric(cz_.data() + x, k.blue_yellow_narrow));
+      const float* at = y_.data() + x;
+      Lanes smooth_sum = k.smooth[0] * load(at);
+      Lanes point_sum = k.point[0] * load(at);
+      Lanes edge_sum = all(0);
+      for (std::size_t i = 1; i < k.smooth.size(); ++i) {
+        const Lanes left = load(at - i);
+        const Lanes right = load(at + i);
+        smooth_sum += k.smooth[i] * (left + right);
+        point_sum += k.point[i] * (left + right);
+        edge_sum += k.edge[i] * (right - left);
+      }
+      put(smooth, smooth_sum);
+      put(point, point_sum);
+      put(edge, edge_sum);
+    }
+  }
+
+  const FlipContext& context_;
+  const Image& image_;
+  PaddedRow y_, cx_, cz_;
+  std::array<std::vector<PaddedRow>, plane_count> planes_;
+  std::vector<int> row_of_slot_;
+};
+
+// What the comparison of two images needs of one of them, for one row.
+struct RowFeatures {
+  explicit RowFeatures(std::uint32_t width)
+      : lightness(width, 0), a(width, 0), b(width, 0), edge(width, 0), point(width, 0) {}
+  PaddedRow lightness, a, b;  // L*, a*, b* after the contrast sensitivity filter and the Hunt adjustment
+  PaddedRow edge, point;      // squared lengths of the edge and point detectors' answers
+};
+
+// Vertical filters over the rows around `y`.
+class VerticalFilter {
+ public:
+  VerticalFilter(const FilteredRows& rows, int y, int radius) : radius_(radius) {
+    pointers_.resize(FilteredRows::plane_count * (2 * radius + 1));
+    for (int plane = 0; plane < FilteredRows::plane_count; ++plane) {
+      for (int k = -radius; k <= radius; ++k) {
+        pointers_[plane * (2 * radius + 1) + k + radius] = rows.row(static_cast<FilteredRows::Plane>(plane), y + k);
+      }
+    }
+  }
+
+  Lanes symmetric(int plane, const HalfKernel& kernel, std::uint32_t x) const {
+    const float* const* centre = &pointers_[plane * (2 * radius_ + 1) + radius_];
+    Lanes sum = kernel[0] * load(centre[0] + x);
+    for (std::ptrdiff_t k = 1; k < static_cast<std::ptrdiff_t>(kernel.size()); ++k) {
+      sum += kernel[k] * (load(centre[-k] + x) + load(centre[k] + x));
+    }
+    return sum;
+  }
+
+  Lanes antisymmetric(int plane, const HalfKernel& kernel, std::uint32_t x) const {
+    const float* const* centre = &pointers_[plane * (2 * radius_ + 1) + radius_];
+    Lanes sum = all(0);
+    for (std::ptrdiff_t k = 1; k < static_cast<std::ptrdiff_t>(kernel.size()); ++k) {
+      sum += kernel[k] * (load(centre[k] + x) - load(centre[-k] + x));
+    }
+    return sum;
+  }
+
+ private:
+  int radius_;
+  std::vector<const float*> pointers_;
+};
+
+void compute_features(const FlipContext& context, const FilteredRows& rows, int y, RowFeatures& out) {
+  using enum FilteredRows::Plane;
+  const FlipKernels& k = context.kernels;
+  const VerticalFilter filter(rows, y, k.radius);
+  for (std::uint32_t x = 0; x < rows.width(); x += lane_count) {
+    const Lanes luminance = filter.symmetric(achromatic, k.achromatic, x);
+    const Lanes cx = filter.symmetric(red_green, k.red_green, x);
+    const Lanes cz = k.wide_share * filter.symmetric(blue_yellow_wide, k.blue_yellow_wide, x) +
+                     (1 - k.wide_share) * filter.symmetric(blue_yellow_narrow, k.blue_yellow_narrow, x);
+    // Filtered opponent colours can leave the display's gamut; they are clamped to it in linear RGB.
+    const Colour rgb = to_rgb({luminance + cx, luminance, luminance - cz});
+    const Colour lab = hunt_lab(to_xyz({clamp_to_one(rgb.x), clamp_to_one(rgb.y), clamp_to_one(rgb.z)}));
+    store(out.lightness.data() + x, lab.x);
+    store(out.a.data() + x, lab.y);
+    store(out.b.data() + x, lab.z);
+    const Lanes edge_x = filter.symmetric(edge, k.smooth, x);
+    const Lanes edge_y = filter.antisymmetric(smooth, k.edge, x);
+    const Lanes point_x = filter.symmetric(point, k.smooth, x);
+    const Lanes point_y = filter.symmetric(smooth, k.point, x);
+    store(out.edge.data() + x, edge_x * edge_x + edge_y * edge_y);
+    store(out.point.data() + x, point_x * point_x + point_y * point_y);
+  }
+}
+
+// Equations of sections 4.1.3 (colour), 4.2 (features) and 4.3 (both).
+float pixel_error(const FlipContext& context, const RowFeatures& a, const RowFeatures& b, std::uint32_t x) {
+  const auto colour = [&](const RowFeatures& row) {
+    return std::array<float, 3>{row.lightness.data()[x], row.a.data()[x], row.b.data()[x]};
+  };
+  const float difference = std::pow(hyab(colour(a), colour(b)), colour_exponent);
+  const float knee = compressed_share * context.largest_difference;
+  const float colour_error =
+      difference < knee
+          ? compressed_to / knee * difference
+          : compressed_to + (difference - knee) / (context.largest_difference - knee) * (1 - compressed_to);
+  const float edges = std::abs(std::sqrt(a.edge.data()[x]) - std::sqrt(b.edge.data()[x]));
+  const float points = std::abs(std::sqrt(a.point.data()[x]) - std::sqrt(b.point.data()[x]));
+  const float feature_error = std::sqrt(std::numbers::sqrt2_v<float> / 2 * std::max(edges, points));
+  if (colour_error <= 0) return 0;
+  return std::min(std::pow(colour_error, 1 - feature_error), 1.0F);
+}
+
+void flip_rows(const FlipContext& context, const Image& reference, const Image& test, int first, int end, Image& map) {
+  FilteredRows reference_rows(context, reference);
+  FilteredRows test_rows(context, test);
+  RowFeatures reference_features(reference.width);
+  RowFeatures test_features(test.width);
+  for (int y = first; y < end; ++y) {
+    reference_rows.advance(y);
+    test_rows.advance(y);
+    compute_features(context, reference_rows, y, reference_features);
+    compute_features(context, test_rows, y, test_features);
+    float* out = &map.pixels[map.offset(0, static_cast<std::uint32_t>(y))];
+    for (std::uint32_t x = 0; x < map.width; ++x) out[x] = pixel_error(context, reference_features, test_features, x);
+  }
+}
+
+}  // namespace
+
+FlipResult flip(const Image& reference, const Image& test, const FlipOptions& options) {
+  require_same_shape(reference, test);
+  assert(reference.encoding == Encoding::display && test.encoding == Encoding::display);
+  if (!(options.pixels_per_degree >= 1 && options.pixels_per_degree <= 1000)) {
+    throw InputError("FLIP", "pixels per degree " + std::to_string(options.pixels_per_degree) + " is not in 1 to 1000",
+                     "viewing conditions");
+  }
+  const FlipContext context{.kernels = flip_kernels(options.pixels_per_degree), .decode = {}};
+  FlipResult result;
+  result.map = Image(reference.width, reference.height, 1);
+  const int height = static_cast<int>(reference.height);
+  const int threads = std::clamp(static_cast<int>(options.threads), 1, std::max(height / 64, 1));
+  {
+    std::vector<std::jthread> workers;
+    for (int i = 1; i < threads; ++i) {
+      workers.emplace_back([&, i] {
+        flip_rows(context, reference, test, height * i / threads, height * (i + 1) / threads, result.map);
+      });
+    }
+    flip_rows(context, reference, test, 0, height / threads, result.map);
+  }
+  const Percentiles percentiles(result.map.pixels);
+  result.mean = percentiles.mean();
+  result.minimum = percentiles.minimum();
+  result.maximum = percentiles.maximum();
+  result.p99 = percentiles.at(0.99);
+  result.weighted_first_quartile = percentiles.weighted_at(0.25);
+  result.weighted_median = percentiles.weighted_at(0.5);
+  result.weighted_third_quartile = percentiles.weighted_at(0.75);
+  return result;
+}
+
+}  // namespace subpixel::replay
