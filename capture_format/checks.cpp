@@ -283,7 +283,7 @@ void check_draw(const Capture& capture, const Draw& draw, const Report& report) 
   check_instances(capture, draw, report);
 }
 
-void IndexChecker::check(const Draw& draw, const Report& report) {
+void IndexChecker::check(const Capture& capture, const Draw& draw, const Report& report) {
   if (draw.index_type == IndexType::none || draw.index_count == 0) return;
   const Key key{draw.index_buffer, draw.index_type, draw.index_offset, draw.index_count};
   auto found = ranges_.find(key);
@@ -294,7 +294,7 @@ void IndexChecker::check(const Draw& draw, const Report& report) {
              "the draws' different index ranges hold more than " + std::to_string(kMaxIndicesChecked) + " indices");
       return;
     }
-    const std::byte* from = capture_.buffers[draw.index_buffer].bytes.data() + draw.index_offset;
+    const std::byte* from = capture.buffers[draw.index_buffer].bytes.data() + draw.index_offset;
     const auto [lowest, highest] = draw.index_type == IndexType::uint16
                                        ? index_bounds<std::uint16_t>(from, draw.index_count)
                                        : index_bounds<std::uint32_t>(from, draw.index_count);

@@ -35,11 +35,11 @@ void check_draw_list(const Frame& frame, const Report& report);
 void check_draw(const Capture& capture, const Draw& draw, const Report& report);
 
 // Whether every index of a draw, base_vertex added, is below vertex_count. Draws whose other rules are broken must not
-// be given to it. Ranges met before cost nothing, so one checker serves all frames of a capture.
+// be given to it. Ranges met before cost nothing, so one checker serves all frames of one capture, whose buffers may
+// grow in number but not change.
 class IndexChecker {
  public:
-  explicit IndexChecker(const Capture& capture) : capture_(capture) {}
-  void check(const Draw& draw, const Report& report);
+  void check(const Capture& capture, const Draw& draw, const Report& report);
 
  private:
   struct Range {
@@ -47,7 +47,6 @@ class IndexChecker {
   };
   using Key = std::tuple<std::uint32_t, IndexType, std::uint64_t, std::uint32_t>;  // buffer, type, offset, count
 
-  const Capture& capture_;
   std::map<Key, Range> ranges_;
   std::uint64_t indices_read_ = 0;
 };

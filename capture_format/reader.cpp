@@ -82,7 +82,7 @@ Frame read_frame(FieldReader& in, const Capture& capture, IndexChecker& indices)
     in.enter("draw", i);
     frame.draws.push_back(read_draw(in));
     check_draw(capture, frame.draws.back(), fail_in(in));
-    indices.check(frame.draws.back(), fail_in(in));
+    indices.check(capture, frame.draws.back(), fail_in(in));
   }
   in.leave();
   check_draw_list(frame, fail_in(in));
@@ -156,8 +156,7 @@ void require_fewer(const ChunkAt& chunk, std::size_t count, std::uint32_t most) 
 
 class CaptureReader {
  public:
-  CaptureReader(std::span<const std::byte> file, const ReadLimits& limits)
-      : file_(file), data_(file, limits), indices_(capture_) {}
+  CaptureReader(std::span<const std::byte> file, const ReadLimits& limits) : file_(file), data_(file, limits) {}
 
   void read(const ChunkAt& chunk) {
     if (chunk.header.type == ChunkType::data) {

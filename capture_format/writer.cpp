@@ -214,7 +214,7 @@ void require_valid(const Capture& capture) {
   for (std::size_t i = 0; i < capture.materials.size(); ++i) {
     check_material(capture.materials[i], capture.textures.size(), refuse("material " + std::to_string(i)));
   }
-  IndexChecker indices(capture);
+  IndexChecker indices;
   for (std::size_t f = 0; f < capture.frames.size(); ++f) {
     const std::string part = "frame " + std::to_string(f);
     check_frame(capture.frames[f], refuse(part));
@@ -222,7 +222,7 @@ void require_valid(const Capture& capture) {
     for (std::size_t d = 0; d < capture.frames[f].draws.size(); ++d) {
       const Report report = refuse(part + ", draw " + std::to_string(d));
       check_draw(capture, capture.frames[f].draws[d], report);
-      indices.check(capture.frames[f].draws[d], report);
+      indices.check(capture, capture.frames[f].draws[d], report);
     }
   }
 }
