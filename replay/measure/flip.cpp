@@ -228,13 +228,14 @@ class FilteredRows {
       put(blue_yellow_narrow, symmetric(cz_.data() + x, k.blue_yellow_narrow));
       const float* at = y_.data() + x;
       Lanes smooth_sum = k.smooth[0] * load(at);
-      Lanes point_sum = k.point[0] * load(at);
+      Lanes point_sum = all(0);
       Lanes edge_sum = all(0);
+      const Lanes twice_centre = 2.0F * load(at);
       for (std::size_t i = 1; i < k.smooth.size(); ++i) {
         const Lanes left = load(at - i);
         const Lanes right = load(at + i);
         smooth_sum += k.smooth[i] * (left + right);
-        point_sum += k.point[i] * (left + right);
+        point_sum += k.point[i] * ((left + right) - twice_centre);
         edge_sum += k.edge[i] * (right - left);
       }
       put(smooth, smooth_sum);
@@ -279,6 +280,18 @@ class VerticalFilter {
     return sum;
   }
 
+  // The point detector's weights add up to 0, so the centre may be taken off every pixel. Where the image is flat the
+  // answer is then 0 and not the rounding of the sum, which the square root at the end would blow up.
+  Lanes second_difference(int plane, const HalfKernel& kernel, std::uint32_t x) const {
+    const float* const* centre = &pointers_[plane * (2 * radius_ + 1) + radius_];
+    const Lanes twice_centre = 2.0F * load(centre[0] + x);
+    Lanes sum = all(0);
+    for (std::ptrdiff_t k = 1; k < static_cast<std::ptrdiff_t>(kernel.size()); ++k) {
+      sum += kernel[k] * ((load(centre[-k] + x) + load(centre[k] + x)) - twice_centre);
+    }
+    return sum;
+  }
+
   Lanes antisymmetric(int plane, const HalfKernel& kernel, std::uint32_t x) const {
     const float* const* centre = &pointers_[plane * (2 * radius_ + 1) + radius_];
     Lanes sum = all(0);
@@ -311,7 +324,7 @@ void compute_features(const FlipContext& context, const FilteredRows& rows, int 
     const Lanes edge_x = filter.symmetric(edge, k.smooth, x);
     const Lanes edge_y = filter.antisymmetric(smooth, k.edge, x);
     const Lanes point_x = filter.symmetric(point, k.smooth, x);
-    const Lanes point_y = filter.symmetric(smooth, k.point, x);
+    const Lanes point_y = filter.second_difference(smooth, k.point, x);
     store(out.edge.data() + x, edge_x * edge_x + edge_y * edge_y);
     store(out.point.data() + x, point_x * point_x + point_y * point_y);
   }
