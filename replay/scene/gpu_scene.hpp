@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,7 +62,7 @@ class GpuScene {
   gpu::Buffer indices;     // 32-bit, absolute vertex numbers
   gpu::Buffer instances;   // InstanceRecord
   gpu::Buffer materials;   // MaterialRecord
-  gpu::Buffer constants;   // FrameConstants
+  gpu::Buffer frame_constants;  // FrameConstants
   gpu::Image shadow_map;   // 1x1 without shadows
   gpu::Sampler shadow_sampler;
 

@@ -1,0 +1,28 @@
+// A captured frame's camera in the replay's conventions.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "capture_format/capture.hpp"
+#include "replay/scene/bounds.hpp"
+
+namespace subpixel::replay {
+
+// All in double: inverses of reversed-depth projections lose too much in float.
+struct Camera {
+  glm::dmat4 view{1}, view_projection{1}, inverse_view_projection{1};
+  glm::dvec3 eye{0};
+};
+
+glm::dmat4 matrix(const capture::Matrix4& column_major);
+
+// View and projection converted to Vulkan clip space (y down the image, z from 0 far to 1 near). Throws InputError
+// naming the frame when a matrix is not finite or can't be inverted.
+Camera camera_of(const capture::Frame& frame, std::uint32_t index);
+
+// The part of `bounds` that the camera sees, as corner points of the common volume; empty when nothing is seen.
+std::vector<glm::dvec3> visible_corners(const Camera& camera, const Bounds& bounds);
+
+}  // namespace subpixel::replay

@@ -1,0 +1,18 @@
+// Points of what a frame draws, by number: where lights may be placed.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "capture_format/capture.hpp"
+#include "replay/scene/geometry.hpp"
+#include "replay/scene/lights.hpp"
+
+namespace subpixel::replay {
+
+// The stage of one frame: its points are the triangles' centroids, all instances included. `plan`, `positions` and
+// `indices` must outlive it.
+LightStage light_stage(const capture::Capture& capture, std::uint32_t frame, const GeometryPlan& plan,
+                       std::span<const float> positions, std::span<const std::uint32_t> indices);
+
+}  // namespace subpixel::replay

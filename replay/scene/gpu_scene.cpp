@@ -1,0 +1,311 @@
+#include "replay/scene/gpu_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include "capture_format/error.hpp"
+#include "capture_format/streams.hpp"
+#include "replay/gpu/material_sets.hpp"
+#include "replay/scene/frame_points.hpp"
+#include "replay/scene/materials.hpp"
+#include "replay/scene/shadow_pass.hpp"
+#include "replay/scene/textures.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+constexpr std::uint32_t kLightStages = 8;  // frames that share the placed lights
+
+struct FeatureName {
+  std::uint32_t bit;
+  const char* name;
+};
+constexpr FeatureName kFeatureNames[] = {
+    {FEATURE_BASE_TEXTURE, "textures"},
+    {FEATURE_ALPHA_TEST, "alpha test"},
+    {FEATURE_NORMAL_MAP, "normal maps"},
+    {FEATURE_ROUGHNESS_TEXTURE, "roughness textures"},
+    {FEATURE_EMISSIVE, "emission"},
+    {FEATURE_EMISSIVE_TEXTURE, "emission textures"},
+    {FEATURE_METAL, "metal"},
+    {FEATURE_TWO_SIDED, "two-sided"},
+    {FEATURE_SUN, "sun"},
+    {FEATURE_SHADOWS, "shadows"},
+    {FEATURE_POINT_LIGHTS, "point lights"},
+    {FEATURE_VARYING_ROUGHNESS, "varying roughness"},
+};
+
+gpu_types::InstanceRecord instance_record(const glm::dmat4& world) {
+  gpu_types::InstanceRecord record{};
+  const glm::dmat4 rows = glm::transpose(world);
+  for (int r = 0; r < 3; ++r) record.world_row[r] = glm::vec4(rows[r]);
+  // The inverse transpose is the cofactor matrix over the determinant. Only directions matter, so the cofactors are
+  // scaled to 1 instead, which keeps flat and tiny transforms usable.
+  const glm::dvec3 a(rows[0]), b(rows[1]), c(rows[2]);
+  glm::dvec3 cofactors[3] = {glm::cross(b, c), glm::cross(c, a), glm::cross(a, b)};
+  const bool mirrored = glm::dot(a, cofactors[0]) < 0;
+  double largest = 0;
+  for (const auto& row : cofactors)
+    for (int i = 0; i < 3; ++i) largest = std::max(largest, std::abs(row[i]));
+  const double scale = largest > 0 ? (mirrored ? -1 : 1) / largest : 1;
+  for (int r = 0; r < 3; ++r) record.normal_row[r] = glm::vec4(glm::vec3(cofactors[r] * scale), 0);
+  record.normal_row[0].w = mirrored ? -1.0f : 1.0f;
+  return record;
+}
+
+glm::vec4 vec4_of(const capture::Float3& v, float w = 0) { return {v[0], v[1], v[2], w}; }
+
+}  // namespace
+
+std::vector<std::string> SceneFeatures::names() const {
+  std::vector<std::string> names;
+  for (const auto& feature : kFeatureNames)
+    if (has(feature.bit)) names.emplace_back(feature.name);
+  return names;
+}
+
+struct GpuScene::Impl {
+  SceneOptions options;
+  GeometryPlan plan;
+  std::vector<Bounds> mesh_bounds;
+  std::vector<capture::PointLight> placed;
+  std::map<std::uint32_t, gpu::Image> textures;  // by capture number
+  gpu::Image white;
+  gpu::Sampler sampler;
+  std::unique_ptr<gpu::MaterialSets> sets;
+  std::vector<VkDescriptorSet> set_of_material;
+  gpu::Buffer shadow_commands;
+  std::uint64_t triangle_count = 0;
+
+  void upload_textures(gpu::Device& device, const capture::Capture& capture);
+  void make_sets(gpu::Device& device, const capture::Capture& capture);
+  std::vector<capture::PointLight> lights_of(const capture::Frame& frame) const;
+};
+
+namespace {
+
+gpu::Image upload_mipmaps(gpu::Device& device, const std::string& name, const Mipmaps& mipmaps) {
+  gpu::ImageDescription description;
+  description.name = name;
+  description.format = mipmaps.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM;
+  description.width = mipmaps.width;
+  description.height = mipmaps.height;
+  description.mips = static_cast<std::uint32_t>(mipmaps.levels.size());
+  description.usage = VK_IMAGE_USAGE_SAMPLED_BIT;
+  gpu::Image image(device, description);
+  for (std::uint32_t mip = 0; mip < description.mips; ++mip)
+    gpu::upload(device, image, mip, 0, std::as_bytes(std::span(mipmaps.levels[mip])));
+  return image;
+}
+
+std::array<std::uint32_t, gpu::kMaterialTextures> textures_of(const capture::Material& material) {
+  return {material.base_colour_texture, material.metallic_roughness_texture, material.normal_texture,
+          material.emissive_texture};
+}
+
+}  // namespace
+
+void GpuScene::Impl::upload_textures(gpu::Device& device, const capture::Capture& capture) {
+  const std::vector<bool> used = used_materials(capture);
+  // A texture is cut at the lowest cutoff, seen from the texel, of the materials that cut with it.
+  std::map<std::uint32_t, std::optional<float>> cutoffs;
+  for (std::size_t m = 0; m < used.size(); ++m) {
+    if (!used[m]) continue;
+    const auto& material = capture.materials[m];
+    for (const std::uint32_t texture : textures_of(material))
+      if (texture != capture::kNone) cutoffs.try_emplace(texture);
+    if (!is_alpha_tested(material) || material.base_colour_texture == capture::kNone) continue;
+    auto& cutoff = cutoffs[material.base_colour_texture];
+    const float factor = std::max(material.base_colour[3], 1e-3f);
+    cutoff = std::min(cutoff.value_or(1.0f), material.alpha_cutoff / factor);
+  }
+  for (const auto& [number, cutoff] : cutoffs) {
+    Mipmaps mipmaps = decode_texture(capture.textures[number]);
+    build_mipmaps(mipmaps, cutoff);
+    textures.emplace(number, upload_mipmaps(device, "texture " + capture.textures[number].name, mipmaps));
+  }
+  white = upload_mipmaps(device, "white", {1, 1, false, {{255, 255, 255, 255}}});
+}
+
+void GpuScene::Impl::make_sets(gpu::Device& device, const capture::Capture& capture) {
+  sampler = gpu::Sampler(device, {});
+  sets = std::make_unique<gpu::MaterialSets>(device, static_cast<std::uint32_t>(capture.materials.size()) + 1);
+  for (const auto& material : capture.materials) {
+    std::array<gpu::Image*, gpu::kMaterialTextures> images{};
+    const auto numbers = textures_of(material);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      const auto found = textures.find(numbers[i]);
+      images[i] = found == textures.end() ? &white : &found->second;
+    }
+    set_of_material.push_back(sets->set_of(images, sampler));
+  }
+}
+
+std::vector<capture::PointLight> GpuScene::Impl::lights_of(const capture::Frame& frame) const {
+  auto lights = frame.point_lights;
+  if (!options.point_lights) return lights;
+  const std::size_t count = *options.point_lights, captured = std::min(lights.size(), count);
+  lights.resize(captured);
+  if (captured < count)
+    lights.insert(lights.end(), placed.begin() + static_cast<std::ptrdiff_t>(std::min(captured, placed.size())),
+                  placed.end());
+  return lights;
+}
+
+GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const SceneOptions& options)
+    : device_(device), capture_(capture), impl_(std::make_unique<Impl>()) {
+  impl_->options = options;
+  if (options.point_lights.value_or(0) > SUBPIXEL_MAX_POINT_LIGHTS)
+    throw UsageError("point lights", fmt::format("{} asked for, at most {}", *options.point_lights,
+                                                 SUBPIXEL_MAX_POINT_LIGHTS), "lights");
+  const PointLights lights = !options.point_lights      ? PointLights::captured
+                             : *options.point_lights == 0 ? PointLights::none
+                                                          : PointLights::some;
+  features_.bits = detect_features(capture, lights);
+
+  constexpr std::uint32_t kAnyTexture =
+      FEATURE_BASE_TEXTURE | FEATURE_ROUGHNESS_TEXTURE | FEATURE_NORMAL_MAP | FEATURE_EMISSIVE_TEXTURE;
+  auto& plan = impl_->plan;
+  plan = plan_geometry(capture, {features_.has(kAnyTexture), features_.has(FEATURE_NORMAL_MAP)});
+  const std::uint64_t vertices = plan.vertex_count;
+  positions = gpu::Buffer(device, "positions", vertices * 12);
+  normals = gpu::Buffer(device, "normals", vertices * 12);
+  uvs = gpu::Buffer(device, "texture coordinates", plan.needs.uvs ? vertices * 8 : 0);
+  tangents = gpu::Buffer(device, "tangents", plan.needs.tangents ? vertices * 16 : 0);
+  indices = gpu::Buffer(device, "indices", plan.index_count * 4);
+  impl_->mesh_bounds = fill_geometry(capture, plan,
+                                     {positions.as<float>(), normals.as<float>(), uvs.as<float>(), tangents.as<float>(),
+                                      indices.as<std::uint32_t>()});
+
+  std::size_t most_instances = 0, most_draws = 0;
+  for (const auto& frame : capture.frames) {
+    std::size_t frame_instances = 0;
+    for (const auto& draw : frame.draws) frame_instances += draw.instance_count;
+    most_instances = std::max(most_instances, frame_instances);
+    most_draws = std::max(most_draws, frame.draws.size());
+  }
+  instances = gpu::Buffer(device, "instances", most_instances * sizeof(gpu_types::InstanceRecord));
+  impl_->shadow_commands = gpu::Buffer(device, "shadow draws", most_draws * sizeof(VkDrawIndexedIndirectCommand));
+  frame_constants = gpu::Buffer(device, "frame constants", sizeof(gpu_types::FrameConstants));
+  materials = gpu::Buffer(device, "materials", capture.materials.size() * sizeof(gpu_types::MaterialRecord));
+  const auto records = materials.as<gpu_types::MaterialRecord>();
+  for (std::size_t m = 0; m < capture.materials.size(); ++m) records[m] = record_of(capture.materials[m]);
+  impl_->upload_textures(device, capture);
+  impl_->make_sets(device, capture);
+
+  gpu::ImageDescription shadow;
+  shadow.name = "shadow map";
+  shadow.format = VK_FORMAT_D32_SFLOAT;
+  shadow.width = shadow.height = features_.has(FEATURE_SHADOWS) ? options.shadow_map_size : 1;
+  shadow.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  shadow_map = gpu::Image(device, shadow);
+  shadow_sampler = gpu::Sampler(device, {VK_FILTER_NEAREST, VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                         VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE});
+
+  if (lights == PointLights::some) {
+    std::vector<LightStage> stages;
+    Bounds all;
+    const auto frame_count = static_cast<std::uint32_t>(capture.frames.size());
+    const std::uint32_t stage_count = std::min(frame_count, kLightStages);
+    for (std::uint32_t s = 0; s < stage_count; ++s) {
+      const std::uint32_t frame = s * frame_count / stage_count;
+      stages.push_back(light_stage(capture, frame, plan, positions.as<float>(), indices.as<std::uint32_t>()));
+      const auto& draws = capture.frames[frame].draws;
+      for (std::size_t d = 0; d < draws.size(); ++d)
+        for (const auto& world : capture::world_transforms(capture, draws[d]))
+          all.add(transformed(impl_->mesh_bounds[plan.mesh_of_draw[frame][d]], matrix(world)));
+    }
+    impl_->placed = placed_lights(0, *options.point_lights, stages, all);
+  }
+}
+
+GpuScene::~GpuScene() = default;
+
+void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t height) {
+  if (index >= capture_.frames.size())
+    throw UsageError("frame", fmt::format("the capture has {}", capture_.frames.size()), fmt::format("frame {}", index));
+  const auto& frame = capture_.frames[index];
+  draws_.clear();
+  impl_->triangle_count = 0;
+  Bounds bounds;
+  std::uint32_t instance = 0;
+  const auto records = instances.as<gpu_types::InstanceRecord>();
+  for (std::size_t d = 0; d < frame.draws.size(); ++d) {
+    const auto& draw = frame.draws[d];
+    const std::uint32_t mesh_number = impl_->plan.mesh_of_draw[index][d];
+    const auto& mesh = impl_->plan.meshes[mesh_number];
+    if (mesh.triangle_count == 0 || draw.instance_count == 0) continue;
+    draws_.push_back({draw.material, mesh.first_index, mesh.triangle_count, instance, draw.instance_count});
+    impl_->triangle_count += capture::triangle_count(draw);
+    for (const auto& transform : capture::world_transforms(capture_, draw)) {
+      const glm::dmat4 world = matrix(transform);
+      records[instance++] = instance_record(world);
+      bounds.add(transformed(impl_->mesh_bounds[mesh_number], world));
+    }
+  }
+
+  const Camera camera = camera_of(frame, index);
+  auto& value = constants_value_;
+  value = {};
+  value.view_projection = glm::mat4(camera.view_projection);
+  value.inverse_view_projection = glm::mat4(camera.inverse_view_projection);
+  value.view = glm::mat4(camera.view);
+  value.eye = glm::vec4(glm::vec3(camera.eye), 1);
+  value.ambient = vec4_of(frame.ambient);
+  value.sky = vec4_of(frame.sky, 1);
+  value.viewport = {static_cast<float>(width), static_cast<float>(height), 1.0f / static_cast<float>(width),
+                    1.0f / static_cast<float>(height)};
+  value.tone.x = frame.exposure;
+  const auto lights = light_constants(impl_->lights_of(frame));
+  std::copy(lights.begin(), lights.end(), value.point_lights);
+  value.counts = {static_cast<std::uint32_t>(lights.size()), static_cast<std::uint32_t>(capture_.materials.size()),
+                  instance, 0};
+
+  value.sun_direction = {0, -1, 0, 0};
+  // A map that nothing falls on: every point is beside it, and so lit.
+  value.shadow_matrix = glm::mat4(0);
+  value.shadow_matrix[3] = {-1, -1, 0, 1};
+  std::optional<ShadowFit> fit;
+  if (frame.sun) {
+    const glm::dvec3 direction(frame.sun->direction[0], frame.sun->direction[1], frame.sun->direction[2]);
+    const double length = glm::length(direction);
+    if (length > 1e-9 && std::isfinite(length)) {
+      value.sun_direction = glm::vec4(glm::vec3(direction / length), 0);
+      value.sun_irradiance = vec4_of(frame.sun->irradiance);
+      if (frame.sun->shadows && features_.has(FEATURE_SHADOWS))
+        fit = fit_shadow(camera, bounds, direction, impl_->options.shadow_map_size);
+    }
+  }
+  if (fit) {
+    value.shadow_matrix = glm::mat4(fit->world_to_map);
+    value.sun_direction.w = static_cast<float>(fit->texel);
+  }
+  frame_constants.as<gpu_types::FrameConstants>()[0] = value;
+  if (fit) render_shadow_map(device_, *this, impl_->shadow_commands, *fit);
+}
+
+std::uint64_t GpuScene::triangle_count() const { return impl_->triangle_count; }
+
+VkDescriptorSet GpuScene::material_set(std::uint32_t material) const { return impl_->set_of_material[material]; }
+
+bool GpuScene::alpha_tested(std::uint32_t material) const { return is_alpha_tested(capture_.materials[material]); }
+
+bool GpuScene::two_sided(std::uint32_t material) const { return capture_.materials[material].two_sided; }
+
+bool GpuScene::has_textures(std::uint32_t material) const {
+  const auto numbers = textures_of(capture_.materials[material]);
+  return std::any_of(numbers.begin(), numbers.end(), [](std::uint32_t number) { return number != capture::kNone; });
+}
+
+std::uint64_t GpuScene::bytes() const {
+  std::uint64_t total = shadow_map.bytes() + impl_->white.bytes();
+  for (const gpu::Buffer* buffer : {&positions, &normals, &uvs, &tangents, &indices, &instances, &materials, &frame_constants})
+    total += buffer->bytes();
+  for (const auto& [number, image] : impl_->textures) total += image.bytes();
+  return total;
+}
+
+}  // namespace subpixel::replay
