@@ -1,0 +1,152 @@
+#include "replay/measure/image.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include "capture_format/error.hpp"
+#include "replay/measure/atomic_file.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder of its own for each test, gone afterwards.
+class ImageFiles : public testing::Test {
+ protected:
+  ImageFiles() {
+    std::string name = (fs::temp_directory_path() / "subpixel_images_XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~ImageFiles() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+Image gradient(std::uint32_t width, std::uint32_t height, std::uint32_t channels, Encoding encoding) {
+  Image image(width, height, channels, encoding);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<float>(i % 256) / 255;
+  return image;
+}
+
+TEST(Srgb, KnownPairs) {
+  // 0.5 display is 0.21404 linear; the two parts of the curve meet at 0.04045 (IEC 61966-2-1).
+  EXPECT_NEAR(srgb_decode(0.5F), 0.214041F, 1e-6);
+  EXPECT_NEAR(srgb_encode(0.214041F), 0.5F, 1e-6);
+  EXPECT_NEAR(srgb_encode(0.0031308F), 0.04045F, 1e-5);
+  EXPECT_EQ(srgb_encode(0), 0);
+  EXPECT_NEAR(srgb_encode(1), 1, 1e-6);
+  EXPECT_EQ(srgb_encode(-1), 0);
+  EXPECT_EQ(srgb_encode(std::numeric_limits<float>::quiet_NaN()), 0);
+}
+
+TEST(Srgb, EightBitValuesComeBack) {
+  for (int i = 0; i < 256; ++i) {
+    const float display = static_cast<float>(i) / 255;
+    EXPECT_EQ(std::lround(srgb_encode(srgb_decode(display)) * 255), i);
+  }
+}
+
+TEST(Display, LinearIsClampedAndEncodedAndAlphaOnlyClamped) {
+  Image linear(1, 1, 4, Encoding::linear);
+  linear.pixels = {4, 0.214041F, -1, 0.5F};
+  const Image display = to_display(linear);
+  EXPECT_EQ(display.encoding, Encoding::display);
+  EXPECT_NEAR(display.pixels[0], 1, 1e-6);
+  EXPECT_NEAR(display.pixels[1], 0.5, 1e-6);
+  EXPECT_EQ(display.pixels[2], 0);
+  EXPECT_EQ(display.pixels[3], 0.5F);
+}
+
+TEST_F(ImageFiles, PngKeepsEveryByteOfEveryChannelCount) {
+  for (const std::uint32_t channels : {1U, 3U, 4U}) {
+    const Image image = gradient(37, 11, channels, Encoding::display);
+    const fs::path path = folder_ / ("c" + std::to_string(channels) + ".png");
+    write_file_atomically(path, encode_png(image));
+    const Image back = read_image(path);
+    ASSERT_EQ(back.channels, channels);
+    EXPECT_EQ(back.encoding, Encoding::display);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) ASSERT_NEAR(back.pixels[i], image.pixels[i], 1e-6) << i;
+  }
+}
+
+TEST_F(ImageFiles, PngClampsAndRounds) {
+  Image image(5, 1, 1);
+  image.pixels = {-1, 2, std::numeric_limits<float>::quiet_NaN(), 0.4999F / 255, 0.5001F / 255};
+  write_file_atomically(folder_ / "a.png", encode_png(image));
+  const Image back = read_image(folder_ / "a.png");
+  EXPECT_EQ(back.pixels[0], 0);
+  EXPECT_EQ(back.pixels[1], 1);
+  EXPECT_EQ(back.pixels[2], 0);
+  EXPECT_EQ(back.pixels[3], 0);
+  EXPECT_NEAR(back.pixels[4], 1.0F / 255, 1e-6);
+}
+
+TEST_F(ImageFiles, ExrKeepsFloatsAndHalves) {
+  Image image(3, 2, 3, Encoding::linear);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = std::exp(static_cast<float>(i) - 9);
+  write_file_atomically(folder_ / "full.exr", encode_exr(image, ExrPixel::full_float));
+  EXPECT_EQ(read_image(folder_ / "full.exr").pixels, image.pixels);
+  write_file_atomically(folder_ / "half.exr", encode_exr(image));
+  const Image half = read_image(folder_ / "half.exr");
+  EXPECT_EQ(half.encoding, Encoding::linear);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    EXPECT_NEAR(half.pixels[i], image.pixels[i], image.pixels[i] / 2048 + 1e-7) << i;
+  }
+}
+
+TEST_F(ImageFiles, EqualImagesAreEqualBytes) {
+  const Image image = gradient(64, 40, 3, Encoding::display);
+  EXPECT_EQ(encode_png(image), encode_png(image));
+  EXPECT_EQ(encode_exr(image), encode_exr(image));
+}
+
+TEST_F(ImageFiles, WhatIsNotAnImageIsRefusedByName) {
+  const auto refusal = [](const fs::path& path) {
+    try {
+      read_image(path);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_TRUE(refusal(folder_ / "none.png").ends_with((folder_ / "none.png").string()));
+  write_file_atomically(folder_ / "text.png", std::string_view("this is no image"));
+  EXPECT_TRUE(refusal(folder_ / "text.png").starts_with("image: "));
+  std::vector<std::uint8_t> bytes = encode_png(gradient(64, 64, 3, Encoding::display));
+  bytes.resize(bytes.size() / 2);
+  write_file_atomically(folder_ / "cut.png", bytes);
+  EXPECT_NE(refusal(folder_ / "cut.png"), "accepted");
+}
+
+TEST_F(ImageFiles, AtomicWriteMakesFoldersAndReplaces) {
+  const fs::path path = folder_ / "a" / "b" / "file.json";
+  write_file_atomically(path, std::string_view("one"));
+  write_file_atomically(path, std::string_view("two"));
+  std::ifstream in(path);
+  std::string text;
+  in >> text;
+  EXPECT_EQ(text, "two");
+  EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1);
+}
+
+TEST_F(ImageFiles, AtomicWriteSaysWhyItFailed) {
+  write_file_atomically(folder_ / "file", std::string_view("x"));
+  try {
+    write_file_atomically(folder_ / "file" / "below", std::string_view("y"));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.what(), "file: cannot write: Not a directory: " + (folder_ / "file" / "below").string());
+  }
+  if (!fs::exists("/dev/full")) return;
+  EXPECT_THROW(write_file_atomically("/dev/full/below", std::string_view("y")), InputError);
+}
+
+}  // namespace
+}  // namespace subpixel::replay
