@@ -81,9 +81,13 @@ void Statement::run() {
   }
 }
 
-std::int64_t Statement::integer() { return sqlite3_column_int64(handle_.get(), next_column_++); }
+std::int64_t Statement::integer() {
+  return sqlite3_column_int64(handle_.get(), next_column_++);
+}
 
-std::string Statement::text() { return optional_text().value_or(std::string()); }
+std::string Statement::text() {
+  return optional_text().value_or(std::string());
+}
 
 std::optional<std::string> Statement::optional_text() {
   const int column = next_column_++;

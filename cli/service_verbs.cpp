@@ -1,0 +1,145 @@
+#include "cli/service_verbs.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "capture_format/error.hpp"
+#include "cli/submission.hpp"
+#include "server/service.hpp"
+
+namespace subpixel::cli {
+namespace {
+
+struct ServeArguments {
+  std::string data, listen = "127.0.0.1:8080", worker;
+  std::vector<std::string> host_names;
+  std::uint32_t workers = 1;
+  double upload_limit_gb = 4, worker_memory_gb = 0;
+  std::uint32_t silence_s = 600, duration_s = 12 * 3600;
+};
+
+// Splits "HOST:PORT" or "[V6]:PORT".
+std::pair<std::string, int> parse_address(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  int port = -1;
+  if (colon != std::string::npos) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, port);
+    if (error != std::errc() || stop != end) port = -1;
+  }
+  if (port < 0 || port > 65535 || colon == 0) {
+    throw UsageError("can't listen", "expected HOST:PORT with a port from 0 to 65535, got " + text, "--listen");
+  }
+  std::string host = text.substr(0, colon);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  return {host, port};
+}
+
+server::ServiceOptions service_options(const ServeArguments& arguments) {
+  server::ServiceOptions options;
+  options.data = arguments.data;
+  std::tie(options.host, options.port) = parse_address(arguments.listen);
+  options.host_names = arguments.host_names;
+  constexpr double kGigabyte = 1 << 30;
+  options.upload_limit_bytes = static_cast<std::uint64_t>(arguments.upload_limit_gb * kGigabyte);
+  options.worker.program = arguments.worker.empty() ? std::filesystem::read_symlink("/proc/self/exe").string()
+                                                    : std::filesystem::absolute(arguments.worker).string();
+  options.worker.count = arguments.workers;
+  options.worker.limits.silence = std::chrono::seconds(arguments.silence_s);
+  options.worker.limits.duration = std::chrono::seconds(arguments.duration_s);
+  options.worker.limits.address_space_bytes = static_cast<std::uint64_t>(arguments.worker_memory_gb * kGigabyte);
+  return options;
+}
+
+int serve(const ServeArguments& arguments) {
+  // The log goes to standard error; standard output has the address and nothing else, for scripts.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("subpixel"));
+  // A write beyond a file-size limit must be an error to report, not the end of the service.
+  ::signal(SIGXFSZ, SIG_IGN);
+  ::signal(SIGPIPE, SIG_IGN);
+  // Blocked before any thread starts, so that only the waiting one below gets them.
+  sigset_t endings;
+  ::sigemptyset(&endings);
+  ::sigaddset(&endings, SIGTERM);
+  ::sigaddset(&endings, SIGINT);
+  ::pthread_sigmask(SIG_BLOCK, &endings, nullptr);
+
+  server::Service service(service_options(arguments));
+  const std::string host = arguments.listen.substr(0, arguments.listen.rfind(':'));
+  fmt::print("listening on http://{}:{}\n", host, service.port());
+  std::fflush(stdout);
+  std::jthread waiter([&](std::stop_token stop) {
+    const timespec step{0, 200'000'000};
+    while (!stop.stop_requested()) {
+      if (::sigtimedwait(&endings, nullptr, &step) > 0) {
+        spdlog::info("ending; unfinished runs resume at the next start");
+        service.stop();
+        return;
+      }
+    }
+  });
+  service.run();
+  return 0;
+}
+
+void add_serve(CLI::App& app, std::function<int()>& action) {
+  const auto arguments = std::make_shared<ServeArguments>();
+  CLI::App* const verb = app.add_subcommand("serve", "Run the HTTP API and the viewer over one data folder");
+  verb->add_option("--data", arguments->data, "Folder for captures, results and caches; created when missing")
+      ->required();
+  verb->add_option("--listen", arguments->listen, "HOST:PORT; port 0 takes any free one")->capture_default_str();
+  verb->add_option("--host-name", arguments->host_names, "Further host names by which clients call this service");
+  verb->add_option("--workers", arguments->workers, "Runs replayed at a time; more than 1 disturbs their timings")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  verb->add_option("--upload-limit", arguments->upload_limit_gb, "Largest capture taken, in GiB")
+      ->check(CLI::Range(0.0, 1024.0))
+      ->capture_default_str();
+  verb->add_option("--worker-memory", arguments->worker_memory_gb, "Address space of a worker, in GiB; 0: no limit")
+      ->check(CLI::Range(0.0, 65536.0))
+      ->capture_default_str();
+  verb->add_option("--worker-silence", arguments->silence_s, "Seconds without a word after which a worker is ended")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  verb->add_option("--worker-time", arguments->duration_s, "Seconds after which a worker is ended")
+      ->check(CLI::Range(1, 10'000'000))
+      ->capture_default_str();
+  verb->add_option("--worker-program", arguments->worker,
+                   "Program run as `PROGRAM worker --job FILE`; default: this one")
+      ->check(CLI::ExistingFile);
+  verb->callback([arguments, &action] { action = [arguments] { return serve(*arguments); }; });
+}
+
+void add_submit(CLI::App& app, std::function<int()>& action) {
+  const auto submission = std::make_shared<Submission>();
+  CLI::App* const verb = app.add_subcommand("submit", "Send a capture to a service and start a run of it");
+  verb->add_option("file", submission->file, "Capture")->required()->check(CLI::ExistingFile);
+  verb->add_option("--server", submission->server, "http://HOST:PORT")->required();
+  verb->add_option("--techniques", submission->techniques, "a,b:param=v,...; without it the capture is only sent");
+  verb->add_option("--samples", submission->samples, "Samples per pixel of techniques that are not given their own");
+  verb->add_option("--frames", submission->frames, "FIRST-LAST or one frame; default: all");
+  verb->add_option("--size", submission->size, "WxH; default: as recorded");
+  verb->add_option("--repeat", submission->repeat, "Timed repeats of each frame");
+  verb->add_option("--reference-samples", submission->reference_samples, "Samples of the reference; 0: no error");
+  verb->add_flag("--wait", submission->wait, "Wait for the run's end; exit code 3 when it fails");
+  verb->callback([submission, &action] { action = [submission] { return submit(*submission); }; });
+}
+
+}  // namespace
+
+void add_service_verbs(CLI::App& app, std::function<int()>& action) {
+  add_serve(app, action);
+  add_submit(app, action);
+}
+
+}  // namespace subpixel::cli

@@ -1,0 +1,159 @@
+#include "cli/submission.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <httplib.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "capture_format/error.hpp"
+#include "replay/techniques/parameters.hpp"
+
+namespace subpixel::cli {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kReconnects = 30;  // in a row without a word, 1 s apart: longer than a restart of the service takes
+
+// Two numbers with `separator` between them.
+std::pair<std::uint32_t, std::uint32_t> parse_pair(const std::string& text, char separator, bool one_is_both,
+                                                   const std::string& option) {
+  std::uint32_t first = 0, second = 0;
+  const char* const end = text.data() + text.size();
+  const auto head = std::from_chars(text.data(), end, first);
+  if (head.ec == std::errc() && head.ptr == end && one_is_both) return {first, first};
+  if (head.ec == std::errc() && head.ptr != end && *head.ptr == separator) {
+    const auto tail = std::from_chars(head.ptr + 1, end, second);
+    if (tail.ec == std::errc() && tail.ptr == end) return {first, second};
+  }
+  throw UsageError("can't submit", fmt::format("expected NUMBER{}NUMBER, got {}", separator, text), option);
+}
+
+json run_request(const Submission& submission, const std::string& capture) {
+  json techniques = json::array();
+  for (const replay::TechniqueRequest& request : replay::parse_technique_list(submission.techniques)) {
+    techniques.push_back({{"technique", request.technique}, {"parameters", json(request.parameters)}});
+    if (request.parameters.empty()) techniques.back().erase("parameters");
+  }
+  json body = {{"capture", capture}, {"techniques", techniques}};
+  if (submission.samples) body["samples"] = *submission.samples;
+  if (submission.repeat) body["repeat"] = *submission.repeat;
+  if (submission.reference_samples) body["reference_samples"] = *submission.reference_samples;
+  if (!submission.frames.empty()) {
+    const auto [first, last] = parse_pair(submission.frames, '-', true, "--frames");
+    body["frames"] = {first, last};
+  }
+  if (!submission.size.empty()) {
+    const auto [width, height] = parse_pair(submission.size, 'x', false, "--size");
+    body["width"] = width;
+    body["height"] = height;
+  }
+  return body;
+}
+
+// The document of a successful answer; other answers are thrown as the service words them.
+json answer(const httplib::Result& result, const std::string& what, const std::string& server) {
+  if (!result) throw InputError(what, "no answer: " + httplib::to_string(result.error()), server);
+  const json document = json::parse(result->body, nullptr, false);
+  if (result->status >= 200 && result->status < 300 && !document.is_discarded()) return document;
+  const json error = document.is_object() ? document.value("error", json::object()) : json::object();
+  const std::string why = error.value("why", fmt::format("it answered with status {}", result->status));
+  const std::string where = error.value("where", server);
+  if (result->status == 400) throw UsageError(what, why, where);
+  throw InputError(what, why, where);
+}
+
+json send_capture(httplib::Client& client, const Submission& submission) {
+  struct File {
+    int fd;
+    ~File() { ::close(fd); }
+  };
+  const File file{::open(submission.file.c_str(), O_RDONLY | O_CLOEXEC)};
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(submission.file, error);
+  if (file.fd < 0 || error) throw InputError("can't send the capture", "it can't be read", submission.file);
+  const std::string name = std::filesystem::path(submission.file).filename().string();
+  const std::string path = "/api/captures?name=" + httplib::detail::encode_query_param(name);
+  const httplib::Result result = client.Post(
+      path, static_cast<std::size_t>(size),
+      [&](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+        std::vector<char> block(std::min<std::size_t>(length, std::size_t{1} << 20));
+        const ssize_t got = ::pread(file.fd, block.data(), block.size(), static_cast<off_t>(offset));
+        return got > 0 && sink.write(block.data(), static_cast<std::size_t>(got));
+      },
+      "application/octet-stream");
+  return answer(result, "can't send the capture", submission.server);
+}
+
+void print_status(const json& status) {
+  const json progress = status.value("progress", json());
+  const std::string detail =
+      progress.is_object() ? progress.value("stage", "") + " " + progress.value("detail", "") : "";
+  fmt::print(stderr, "{}: {} of {} results {}\n", status.value("status", ""), status.value("stored_results", 0),
+             status.value("expected_results", 0), detail);
+}
+
+// Reads the event stream until its "end", across reconnections. Returns the run's last status.
+json follow(httplib::Client& client, const std::string& run_path) {
+  std::string last_id, pending;
+  json end;
+  for (int attempt = 0; attempt < kReconnects && end.is_null(); ++attempt) {
+    if (attempt > 0) std::this_thread::sleep_for(std::chrono::seconds(1));
+    const httplib::Headers headers =
+        last_id.empty() ? httplib::Headers{} : httplib::Headers{{"Last-Event-ID", last_id}};
+    pending.clear();
+    client.Get(run_path + "/events", headers, [&](const char* bytes, std::size_t size) {
+      attempt = 0;
+      pending.append(bytes, size);
+      for (std::size_t blank; (blank = pending.find("\n\n")) != std::string::npos; pending.erase(0, blank + 2)) {
+        std::string event, data;
+        std::istringstream lines(pending.substr(0, blank));
+        for (std::string line; std::getline(lines, line);) {
+          if (line.starts_with("id: ")) last_id = line.substr(4);
+          if (line.starts_with("event: ")) event = line.substr(7);
+          if (line.starts_with("data: ")) data = line.substr(6);
+        }
+        if (event == "status") print_status(json::parse(data));
+        if (event == "end") end = json::parse(data);
+      }
+      return end.is_null();
+    });
+  }
+  return end;
+}
+
+}  // namespace
+
+int submit(const Submission& submission) {
+  httplib::Client client(submission.server);
+  if (!client.is_valid()) throw UsageError("can't submit", "expected http://HOST:PORT", "--server");
+  client.set_read_timeout(std::chrono::minutes(6));  // a service reads a large capture before it answers
+  const json capture = send_capture(client, submission);
+  const std::string hash = capture.at("hash").get<std::string>();
+  fmt::print("capture {}\n", hash);
+  if (submission.techniques.empty()) return 0;
+
+  const std::string body = run_request(submission, hash).dump();
+  const json run = answer(client.Post("/api/runs", body, "application/json"), "can't start the run", submission.server);
+  const std::string path = fmt::format("/api/runs/{}", run.at("id").get<std::int64_t>());
+  fmt::print("run {}/#/runs/{}\n", submission.server, run.at("id").get<std::int64_t>());
+  if (!submission.wait) return 0;
+
+  const json end = follow(client, path);
+  if (end.is_null()) throw InputError("the run's end is unknown", "the service does not answer", submission.server);
+  if (end.at("status") != "done") {
+    throw InputError("the run " + end.at("status").get<std::string>(), end.value("reason", ""),
+                     submission.server + path);
+  }
+  fmt::print("results {}{}/results.json\n", submission.server, path);
+  return 0;
+}
+
+}  // namespace subpixel::cli

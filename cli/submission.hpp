@@ -1,0 +1,23 @@
+// The client's side of the service: send a capture, start a run, follow it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace subpixel::cli {
+
+struct Submission {
+  std::string file, server;
+  std::string techniques;  // of the command line's form; empty: only send the capture
+  std::string frames, size;
+  std::optional<std::uint32_t> samples, repeat, reference_samples;
+  bool wait = false;
+};
+
+// Prints the capture's hash and the run's address; with `wait` also its progress, and the address of its results.
+// Returns 0. Throws UsageError for what the service finds wrong with the request, InputError when it can't be reached,
+// does not take the capture, or the run fails.
+int submit(const Submission& submission);
+
+}  // namespace subpixel::cli

@@ -1,0 +1,66 @@
+// The HTTP API (docs/http_api.md) and the viewer's files.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <stop_token>
+#include <string>
+
+#include "server/data_folder.hpp"
+#include "server/http_server.hpp"
+#include "server/job_queue.hpp"
+#include "server/run_events.hpp"
+#include "server/service.hpp"
+#include "server/store.hpp"
+
+namespace subpixel::server {
+
+class Api {
+ public:
+  // All arguments outlive the API.
+  Api(const ServiceOptions& options, const DataFolder& folder, Store& store, RunEvents& events, JobQueue& queue);
+
+  // Sets every route, limit and header of `http`.
+  void route(HttpServer& http);
+  // Ends inspections of uploads that are under way.
+  void stop() { stop_.request_stop(); }
+
+ private:
+  using Request = httplib::Request;
+  using Response = httplib::Response;
+
+  // api.cpp
+  void route_web(HttpServer& http);
+  void check_request(const Request& request) const;
+  void check_origin(const Request& request) const;
+  void get_health(Response& response) const;
+  // api_captures.cpp
+  void route_captures(HttpServer& http);
+  void post_capture(const Request& request, Response& response, const httplib::ContentReader& read);
+  void delete_capture(const std::string& hash, Response& response);
+  void send_capture_file(const std::string& hash, Response& response) const;
+  void send_blob(const Request& request, const std::string& hash, Response& response) const;
+  // api_runs.cpp
+  void route_runs(HttpServer& http);
+  void post_run(const Request& request, Response& response, const httplib::ContentReader& read);
+  void list_runs(const Request& request, Response& response) const;
+  void cancel_run(std::int64_t id, Response& response);
+  void send_events(std::int64_t id, const Request& request, Response& response);
+  nlohmann::json run_json(const RunRecord& run) const;
+  RunRecord find_run(const std::string& id) const;
+
+  const ServiceOptions& options_;
+  const DataFolder& folder_;
+  Store& store_;
+  RunEvents& events_;
+  JobQueue& queue_;
+  std::stop_source stop_;
+  std::atomic<int> streams_{0};  // clients that follow a run
+  std::mutex captures_mutex_;    // a capture's file and its record come and go together
+};
+
+// A whole number from the query, `absent` without it. Throws HttpError 400 outside of [minimum, maximum].
+std::int64_t query_number(const httplib::Request& request, const std::string& name, std::int64_t minimum,
+                          std::int64_t maximum, std::int64_t absent);
+
+}  // namespace subpixel::server

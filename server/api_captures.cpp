@@ -1,0 +1,182 @@
+// Captures and blobs over HTTP.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <memory>
+
+#include "server/api.hpp"
+#include "server/capture_inspection.hpp"
+#include "server/http_error.hpp"
+#include "server/run_request.hpp"
+#include "server/text.hpp"
+#include "server/upload.hpp"
+
+namespace subpixel::server {
+namespace {
+
+constexpr std::size_t kMaxNameBytes = 120;
+constexpr std::int64_t kMaxListed = 500;
+
+nlohmann::json capture_json(const CaptureRecord& capture) {
+  const auto features = capture.summary.find("features");
+  return {{"hash", capture.hash},
+          {"name", capture.name},
+          {"size_bytes", capture.size_bytes},
+          {"uploaded_utc", capture.uploaded_utc},
+          {"title", capture.title},
+          {"frame_count", capture.frame_count},
+          {"width", capture.width},
+          {"height", capture.height},
+          {"triangles", capture.triangles},
+          {"features", features != capture.summary.end() ? *features : nlohmann::json::array()},
+          {"thumbnail", capture.thumbnail ? nlohmann::json(*capture.thumbnail) : nlohmann::json(nullptr)}};
+}
+
+HttpError no_capture(const std::string& hash) {
+  return {404, "there is no such capture", "none has this hash", hash};
+}
+
+// The file name of a path of either kind of system: browsers and scripts send both.
+std::string display_name(const std::string& given) {
+  const std::size_t slash = given.find_last_of("/\\");
+  const std::string name = printable(slash == std::string::npos ? given : given.substr(slash + 1), kMaxNameBytes);
+  return name.find_first_not_of(' ') == std::string::npos ? "unnamed" : name;
+}
+
+}  // namespace
+
+void Api::route_captures(HttpServer& http) {
+  http.Post("/api/captures", [this](const Request& request, Response& response, const httplib::ContentReader& read) {
+    post_capture(request, response, read);
+  });
+  http.Get("/api/captures", [this](const Request& request, Response& response) {
+    const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListed, 100));
+    const auto offset = static_cast<std::uint64_t>(query_number(request, "offset", 0, INT64_MAX, 0));
+    nlohmann::json list = nlohmann::json::array();
+    for (const CaptureRecord& capture : store_.captures(limit, offset)) list.push_back(capture_json(capture));
+    response.set_header("Cache-Control", "no-store");
+    write_json(response, 200, {{"captures", list}, {"total", store_.counts().captures}});
+  });
+  http.Get("/api/captures/([0-9a-f]{32})", [this](const Request& request, Response& response) {
+    const std::string hash = request.matches[1];
+    const std::optional<CaptureRecord> capture = store_.capture(hash);
+    if (!capture) throw no_capture(hash);
+    nlohmann::json document = capture_json(*capture);
+    document["summary"] = capture->summary;
+    response.set_header("Cache-Control", "no-store");
+    write_json(response, 200, document);
+  });
+  http.Get("/api/captures/([0-9a-f]{32})/file",
+           [this](const Request& request, Response& response) { send_capture_file(request.matches[1], response); });
+  http.Delete("/api/captures/([0-9a-f]{32})",
+              [this](const Request& request, Response& response) { delete_capture(request.matches[1], response); });
+  http.Get("/api/blobs/([0-9a-f]{32})",
+           [this](const Request& request, Response& response) { send_blob(request, request.matches[1], response); });
+}
+
+void Api::post_capture(const Request& request, Response& response, const httplib::ContentReader& read) {
+  if (request.is_multipart_form_data()) {
+    throw HttpError(415, "the upload is refused", "the body must be the capture's bytes, not a form",
+                    "header Content-Type");
+  }
+  const std::uint64_t length = std::stoull(request.get_header_value("Content-Length"));  // check_request() saw it
+  if (folder_.free_bytes() < length + options_.reserved_bytes) {
+    throw HttpError(507, "the capture can't be stored", "the disk has too little room", "data folder");
+  }
+  Upload upload(folder_);
+  std::exception_ptr failure;  // must not pass through the library's reader
+  const bool whole = read([&](const char* bytes, std::size_t size) {
+    try {
+      upload.append({bytes, size});
+      return true;
+    } catch (...) {
+      failure = std::current_exception();
+      return false;
+    }
+  });
+  if (failure) std::rethrow_exception(failure);
+  if (!whole || upload.size_bytes() != length) {
+    throw HttpError(400, "the upload is incomplete", fmt::format("{} of {} bytes arrived", upload.size_bytes(), length),
+                    "body");
+  }
+  const std::string hash = upload.finish();
+  std::optional<CaptureRecord> capture = store_.capture(hash);
+  CaptureRecord inspected;
+  if (!capture) inspected = inspect_capture(upload.path(), options_.worker, stop_.get_token());
+
+  const std::lock_guard lock(captures_mutex_);
+  if (upload.keep(hash) == Upload::Kept::collision) {
+    throw HttpError(409, "the capture can't be stored", "another one has its content hash", hash);
+  }
+  bool added = false;
+  if (!capture) {
+    inspected.hash = hash;
+    inspected.name = display_name(request.get_param_value("name"));
+    inspected.size_bytes = upload.size_bytes();
+    inspected.uploaded_utc = utc_now();
+    added = store_.add_capture(inspected);
+    if (added && inspected.frame_count > 0 && store_.add_run(RunKind::thumbnail, hash, thumbnail_options(), 1)) {
+      queue_.notify();
+    }
+  }
+  capture = store_.capture(hash);
+  if (!capture) throw HttpError(409, "the capture is not stored", "it was deleted meanwhile; send it again", hash);
+  response.set_header("Location", "/api/captures/" + hash);
+  write_json(response, added ? 201 : 200, capture_json(*capture));
+}
+
+void Api::delete_capture(const std::string& hash, Response& response) {
+  const std::lock_guard lock(captures_mutex_);
+  switch (store_.delete_capture(hash)) {
+    case Store::Deletion::missing:
+      throw no_capture(hash);
+    case Store::Deletion::in_use:
+      throw HttpError(409, "the capture can't be deleted", "a run of it is queued or running; cancel that first", hash);
+    case Store::Deletion::deleted:
+      break;
+  }
+  std::error_code ignored;  // an orphaned file is overwritten by the next upload of the same capture
+  std::filesystem::remove(folder_.capture(hash), ignored);
+  response.status = 204;
+}
+
+void Api::send_capture_file(const std::string& hash, Response& response) const {
+  const std::optional<CaptureRecord> capture = store_.capture(hash);
+  if (!capture) throw no_capture(hash);
+  struct File {
+    int fd;
+    ~File() { ::close(fd); }
+  };
+  const auto file = std::make_shared<File>(File{::open(folder_.capture(hash).c_str(), O_RDONLY | O_CLOEXEC)});
+  struct stat status {};
+  if (file->fd < 0 || ::fstat(file->fd, &status) != 0) {
+    throw HttpError(500, "the capture can't be read", "its file is missing", hash);
+  }
+  response.set_header("Content-Disposition", fmt::format("attachment; filename=\"{}.spcap\"", hash));
+  response.set_content_provider(static_cast<std::size_t>(status.st_size), "application/octet-stream",
+                                [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+                                  std::vector<char> block(std::min<std::size_t>(length, std::size_t{1} << 18));
+                                  const ssize_t got =
+                                      ::pread(file->fd, block.data(), block.size(), static_cast<off_t>(offset));
+                                  return got > 0 && sink.write(block.data(), static_cast<std::size_t>(got));
+                                });
+}
+
+void Api::send_blob(const Request& request, const std::string& hash, Response& response) const {
+  const std::string tag = "\"" + hash + "\"";
+  const bool unchanged = request.get_header_value("If-None-Match").find(tag) != std::string::npos;
+  const std::optional<Blob> blob = unchanged ? std::nullopt : store_.blob(hash);
+  if (!unchanged && !blob) throw HttpError(404, "there is no such blob", "none has this hash", hash);
+  // The name is the content's hash, so what it names never changes.
+  response.set_header("Cache-Control", "private, max-age=31536000, immutable");
+  response.set_header("ETag", tag);
+  if (unchanged) {
+    response.status = 304;
+  } else {
+    response.set_content(blob->bytes, blob->media_type);
+  }
+}
+
+}  // namespace subpixel::server

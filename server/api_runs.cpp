@@ -1,0 +1,237 @@
+// Runs, their progress and their results over HTTP.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <memory>
+
+#include "server/api.hpp"
+#include "server/http_error.hpp"
+#include "server/run_request.hpp"
+
+namespace subpixel::server {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMaxRequestBytes = 1 << 20;
+constexpr std::int64_t kMaxListed = 200;
+constexpr std::uint32_t kResultsAtATime = 32;
+constexpr std::chrono::milliseconds kHeartbeat{10'000};
+constexpr int kMaxStreams = 48;  // below the number of connections, so that plain requests always get through
+
+std::int64_t parse_id(const std::string& text) {
+  std::int64_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  return error == std::errc() && end == text.data() + text.size() ? id : -1;
+}
+
+json text_or_null(const std::string& text) {
+  return text.empty() ? json(nullptr) : json(text);
+}
+
+std::string event_text(std::string_view name, const json& data, std::int64_t id = 0) {
+  // The document is one line: JSON escapes line ends.
+  const std::string id_line = id > 0 ? fmt::format("id: {}\n", id) : "";
+  return fmt::format("{}event: {}\ndata: {}\n\n", id_line, name, data.dump());
+}
+
+// How a run stands, in the short form that changes while it runs.
+json status_json(const RunRecord& run, const std::optional<json>& progress) {
+  return {{"status", to_text(run.status)},
+          {"reason", run.reason},
+          {"stored_results", run.stored_results},
+          {"expected_results", run.expected_results},
+          {"progress", progress ? *progress : json(nullptr)}};
+}
+
+// One client that follows one run. Each step waits for a change, then sends what is new.
+class EventStream {
+ public:
+  EventStream(Store& store, RunEvents& events, std::int64_t run, std::int64_t last_seen)
+      : store_(store), events_(events), run_(run), sent_(last_seen) {}
+
+  // False ends the connection.
+  bool step(httplib::DataSink& sink) {
+    if (finished_) {
+      sink.done();
+      return true;
+    }
+    if (started_) {
+      events_.wait(run_, seen_, kWait);
+      if (events_.closed() || !sink.is_writable()) return false;
+      if (events_.version(run_) == seen_) return heartbeat(sink);
+    }
+    started_ = true;
+    seen_ = events_.version(run_);  // before reading: a change in between is seen next time
+    return send_news(sink);
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kWait{500};  // also how late a gone client is noticed
+
+  bool heartbeat(httplib::DataSink& sink) {
+    idle_ += kWait;
+    if (idle_ < kHeartbeat) return true;
+    idle_ = {};
+    return write(sink, ": still here\n\n");
+  }
+
+  bool send_news(httplib::DataSink& sink) {
+    idle_ = {};
+    // The status is read before the results: when it is final, the results that follow are all there are.
+    const std::optional<RunRecord> run = store_.run(run_);
+    if (!run) return false;
+    while (true) {
+      const std::vector<StoredResult> results = store_.results_after(run_, sent_, kResultsAtATime);
+      for (const StoredResult& result : results) {
+        const json data = {{"sequence", result.sequence}, {"result", result.document}};
+        if (!write(sink, event_text("result", data, result.sequence))) return false;
+        sent_ = result.sequence;
+      }
+      if (results.size() < kResultsAtATime) break;
+    }
+    const json status = status_json(*run, events_.progress(run_));
+    finished_ = is_final(run->status);
+    return write(sink, event_text("status", status)) && (!finished_ || write(sink, event_text("end", status)));
+  }
+
+  static bool write(httplib::DataSink& sink, const std::string& text) { return sink.write(text.data(), text.size()); }
+
+  Store& store_;
+  RunEvents& events_;
+  std::int64_t run_;
+  std::int64_t sent_;       // sequence of the last result the client has
+  std::uint64_t seen_ = 0;  // version of the run that was sent
+  std::chrono::milliseconds idle_{0};
+  bool started_ = false, finished_ = false;
+};
+
+}  // namespace
+
+void Api::route_runs(HttpServer& http) {
+  http.Post("/api/runs", [this](const Request& request, Response& response, const httplib::ContentReader& read) {
+    post_run(request, response, read);
+  });
+  http.Get("/api/runs", [this](const Request& request, Response& response) { list_runs(request, response); });
+  http.Get("/api/runs/([0-9]{1,18})", [this](const Request& request, Response& response) {
+    response.set_header("Cache-Control", "no-store");
+    write_json(response, 200, run_json(find_run(request.matches[1])));
+  });
+  http.Delete("/api/runs/([0-9]{1,18})", [this](const Request& request, Response& response) {
+    const std::string id = request.matches[1];
+    const Store::Deletion deletion = store_.delete_run(find_run(id).id);
+    if (deletion == Store::Deletion::in_use) {
+      throw HttpError(409, "the run can't be deleted", "it is queued or running; cancel it first", id);
+    }
+    response.status = 204;
+  });
+  http.Post("/api/runs/([0-9]{1,18})/cancel",
+            [this](const Request& request, Response& response, const httplib::ContentReader&) {
+              cancel_run(find_run(request.matches[1]).id, response);
+            });
+  http.Get("/api/runs/([0-9]{1,18})/events", [this](const Request& request, Response& response) {
+    send_events(find_run(request.matches[1]).id, request, response);
+  });
+  http.Get("/api/runs/([0-9]{1,18})/results\\.(json|csv)", [this](const Request& request, Response& response) {
+    const RunRecord run = find_run(request.matches[1]);
+    json document = {{"head", run.head ? *run.head : replay::to_json(replay::ResultsHead{})},
+                     {"results", json::array()}};
+    for (StoredResult& result : store_.results(run.id)) document["results"].push_back(std::move(result.document));
+    response.set_header("Cache-Control", "no-store");
+    response.set_header("Content-Disposition",
+                        fmt::format("inline; filename=\"run-{}-results.{}\"", run.id, request.matches[2].str()));
+    if (request.matches[2] == "json") return write_json(response, 200, document);
+    response.set_content(replay::to_csv(replay::results_from_json(document)), "text/csv; charset=utf-8");
+  });
+}
+
+RunRecord Api::find_run(const std::string& id) const {
+  std::optional<RunRecord> run = store_.run(parse_id(id));
+  if (!run || run->kind != RunKind::run) throw HttpError(404, "there is no such run", "none has this number", id);
+  return *std::move(run);
+}
+
+json Api::run_json(const RunRecord& run) const {
+  replay::ReplayJob job;
+  job.options = run.options;
+  json request = replay::to_json(job).at("options");
+  request.erase("skip");
+  json document = status_json(run, events_.progress(run.id));
+  document["id"] = run.id;
+  document["capture"] = {{"hash", run.capture}, {"name", run.capture_name}, {"title", run.capture_title}};
+  document["created_utc"] = run.created_utc;
+  document["started_utc"] = text_or_null(run.started_utc);
+  document["finished_utc"] = text_or_null(run.finished_utc);
+  document["request"] = request;
+  document["head"] = run.head ? *run.head : json(nullptr);
+  return document;
+}
+
+void Api::post_run(const Request& request, Response& response, const httplib::ContentReader& read) {
+  // A page of another site can send a form's content types without asking, but not this one.
+  const std::string type = request.get_header_value("Content-Type");
+  if (type.substr(0, type.find(';')) != "application/json") {
+    throw HttpError(415, "the run is refused", "the body must be JSON", "header Content-Type: application/json");
+  }
+  std::string body;
+  const bool whole = read([&](const char* bytes, std::size_t size) {
+    body.append(bytes, size);
+    return body.size() <= kMaxRequestBytes;
+  });
+  if (!whole) throw HttpError(400, "the request is incomplete", "its body ended early", "body");
+
+  RunRequest wanted = parse_run_request(body);
+  const std::optional<CaptureRecord> capture = store_.capture(wanted.capture);
+  if (!capture) throw HttpError(404, "there is no such capture", "none has this hash", "capture");
+  const std::uint64_t expected = resolve_frames(wanted.options, capture->frame_count);
+  const std::optional<std::int64_t> id = store_.add_run(RunKind::run, capture->hash, wanted.options, expected);
+  if (!id) throw HttpError(404, "there is no such capture", "it was deleted meanwhile", "capture");
+  queue_.notify();
+  response.set_header("Location", fmt::format("/api/runs/{}", *id));
+  write_json(response, 201, run_json(find_run(std::to_string(*id))));
+}
+
+void Api::list_runs(const Request& request, Response& response) const {
+  const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListed, 50));
+  const std::int64_t before = query_number(request, "before", 1, INT64_MAX, 0);
+  const std::vector<RunRecord> runs = store_.runs(limit + 1, before, request.get_param_value("capture"));
+  json list = json::array();
+  for (std::size_t i = 0; i < runs.size() && i < limit; ++i) list.push_back(run_json(runs[i]));
+  // One more than asked for was read, so that a full last page is not followed by an empty one.
+  const json next = runs.size() > limit ? json(runs[limit - 1].id) : json(nullptr);
+  response.set_header("Cache-Control", "no-store");
+  write_json(response, 200, {{"runs", list}, {"next_before", next}});
+}
+
+void Api::cancel_run(std::int64_t id, Response& response) {
+  if (!queue_.cancel(id))
+    throw HttpError(409, "the run can't be cancelled", "it has ended already", std::to_string(id));
+  write_json(response, 202, run_json(find_run(std::to_string(id))));
+}
+
+void Api::send_events(std::int64_t id, const Request& request, Response& response) {
+  // A browser repeats the last event's id when it reconnects; the query is for clients that can't set the header.
+  const std::string last = request.has_header("Last-Event-ID") ? request.get_header_value("Last-Event-ID")
+                                                               : request.get_param_value("after");
+  const std::int64_t last_seen = last.empty() ? 0 : parse_id(last);
+  if (last_seen < 0) throw HttpError(400, "the request is refused", "the event's id is no number", "Last-Event-ID");
+  if (streams_.fetch_add(1) >= kMaxStreams) {
+    --streams_;
+    response.set_header("Retry-After", "5");
+    throw HttpError(503, "the progress can't be followed", "too many clients follow runs", std::to_string(id));
+  }
+  const auto stream = std::make_shared<EventStream>(store_, events_, id, last_seen);
+  response.set_header("Cache-Control", "no-store");
+  response.set_chunked_content_provider(
+      "text/event-stream",
+      [stream](std::size_t, httplib::DataSink& sink) {
+        try {
+          return stream->step(sink);
+        } catch (const std::exception&) {
+          return false;  // the client reconnects with the id of the last event it has
+        }
+      },
+      [this](bool) { --streams_; });
+}
+
+}  // namespace subpixel::server

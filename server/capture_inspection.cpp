@@ -1,0 +1,70 @@
+#include "server/capture_inspection.hpp"
+
+#include <fmt/format.h>
+
+#include "capture_format/error.hpp"
+#include "replay/measure/json_fields.hpp"
+#include "server/http_error.hpp"
+#include "server/text.hpp"
+
+namespace subpixel::server {
+namespace {
+
+using replay::JsonField;
+
+constexpr std::size_t kMaxSummaryBytes = std::size_t{16} << 20;
+constexpr std::size_t kMaxTitleBytes = 200;
+
+CaptureRecord read_summary(const nlohmann::json& document) {
+  const JsonField summary(document, "capture summary");
+  CaptureRecord record;
+  record.title = printable(summary.member("title").text(), kMaxTitleBytes);
+  record.frame_count = summary.member("frame_count").u32();
+  record.width = summary.member("width").u32();
+  record.height = summary.member("height").u32();
+  record.triangles = summary.member("triangles").u64();
+  record.summary = document;
+  return record;
+}
+
+// The reader's message without the program's name and without the path of the upload's file, which means nothing to
+// users.
+std::string reader_message(std::string message, const std::filesystem::path& file) {
+  while (!message.empty() && (message.back() == '\n' || message.back() == ' ')) message.pop_back();
+  if (const std::size_t line = message.rfind('\n'); line != std::string::npos) message.erase(0, line + 1);
+  if (message.starts_with("subpixel: ")) message.erase(0, 10);
+  for (std::size_t at = 0; (at = message.find(file.string(), at)) != std::string::npos;) {
+    message.replace(at, file.string().size(), "uploaded file");
+  }
+  return printable(message, 1000);
+}
+
+}  // namespace
+
+CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOptions& worker, std::stop_token stop) {
+  std::string output;
+  ChildLimits limits = worker.limits;
+  limits.silence = limits.duration = std::min<std::chrono::milliseconds>(limits.silence, std::chrono::minutes(5));
+  const ChildOutcome outcome =
+      run_child({worker.program.string(), "info", file.string(), "--json"}, limits, stop, [&](std::string_view line) {
+        output.append(line) += '\n';
+        return output.size() <= kMaxSummaryBytes;
+      });
+  if (outcome.kind == ChildOutcome::Kind::stopped)
+    throw HttpError(503, "the capture is not stored", "the service is ending", "");
+  constexpr int kBadInput = 3;  // the command line's exit code for it
+  if (outcome.kind == ChildOutcome::Kind::exited && outcome.code == kBadInput) {
+    throw HttpError(422, "the file is no valid capture", reader_message(outcome.error_tail, file), "body");
+  }
+  if (!outcome.reason.empty()) {
+    throw HttpError(422, "the capture could not be inspected", outcome.reason,
+                    reader_message(outcome.error_tail, file));
+  }
+  try {
+    return read_summary(nlohmann::json::parse(output));
+  } catch (const std::exception& error) {
+    throw HttpError(500, "the capture could not be inspected", printable(error.what(), 300), "capture summary");
+  }
+}
+
+}  // namespace subpixel::server

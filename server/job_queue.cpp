@@ -1,0 +1,179 @@
+#include "server/job_queue.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <fstream>
+
+#include "server/text.hpp"
+#include "server/worker_session.hpp"
+
+namespace subpixel::server {
+namespace {
+
+// A run is given up when this many workers in a row ended with the whole service before they had a result.
+constexpr std::uint32_t kMaxStartsWithoutResult = 3;
+
+void write_job_file(const std::filesystem::path& path, const replay::ReplayJob& job) {
+  std::ofstream file(path, std::ios::binary);
+  file << replay::to_json(job).dump();
+  file.close();
+  if (!file) throw std::runtime_error("can't write the job file (is the disk full?): " + path.string());
+}
+
+// The last line a dying process wrote says more than its exit code.
+std::string with_error_tail(std::string reason, const std::string& tail) {
+  std::string_view text(tail);
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.remove_suffix(1);
+  const std::size_t line = text.rfind('\n');
+  if (line != std::string_view::npos) text.remove_prefix(line + 1);
+  if (!text.empty()) reason += fmt::format("; its last words: {}", printable(text, 500));
+  return reason;
+}
+
+struct Verdict {
+  RunStatus status;
+  std::string reason;
+};
+
+Verdict judge(const ChildOutcome& outcome, const WorkerSession& session) {
+  using Kind = ChildOutcome::Kind;
+  if (outcome.kind == Kind::refused) return {RunStatus::failed, session.refusal()};
+  if (!session.worker_error().empty()) return {RunStatus::failed, session.worker_error()};
+  if (!outcome.reason.empty()) return {RunStatus::failed, with_error_tail(outcome.reason, outcome.error_tail)};
+  if (!session.done()) return {RunStatus::failed, "the worker process ended without saying that it was done"};
+  if (!session.complete()) return {RunStatus::failed, "the worker process left out results"};
+  return {RunStatus::done, ""};
+}
+
+}  // namespace
+
+JobQueue::JobQueue(Store& store, const DataFolder& folder, RunEvents& events, WorkerOptions options)
+    : store_(store), folder_(folder), events_(events), options_(std::move(options)) {}
+
+JobQueue::~JobQueue() {
+  stop();
+}
+
+void JobQueue::start() {
+  store_.requeue_running(false);
+  for (std::uint32_t i = 0; i < options_.count; ++i) {
+    threads_.emplace_back([this](std::stop_token stop) { work(std::move(stop)); });
+  }
+}
+
+void JobQueue::notify() {
+  const std::lock_guard lock(mutex_);
+  ++additions_;
+  wake_.notify_all();
+}
+
+bool JobQueue::cancel(std::int64_t run) {
+  if (store_.cancel_queued(run)) {
+    events_.changed(run);
+    return true;
+  }
+  const std::lock_guard lock(mutex_);
+  const auto found = active_.find(run);
+  return found != active_.end() && (found->second.request_stop() || found->second.stop_requested());
+}
+
+void JobQueue::stop() {
+  if (threads_.empty()) return;
+  for (std::jthread& thread : threads_) thread.request_stop();
+  threads_.clear();  // joins
+  store_.requeue_running(true);
+}
+
+void JobQueue::work(std::stop_token stop) {
+  std::uint64_t seen = 0;
+  while (!stop.stop_requested()) {
+    std::optional<RunRecord> run;
+    try {
+      {
+        const std::lock_guard lock(mutex_);
+        seen = additions_;
+      }
+      // Under the lock no cancel can fall between taking the run and being able to stop it.
+      const std::lock_guard lock(mutex_);
+      run = store_.start_next_run();
+      if (run) active_.emplace(run->id, std::stop_source());
+    } catch (const std::exception& error) {
+      spdlog::error("taking the next run: {}", error.what());
+    }
+    if (!run) {
+      std::unique_lock lock(mutex_);
+      wake_.wait_for(lock, stop, std::chrono::seconds(5), [&] { return additions_ != seen; });
+      continue;
+    }
+    events_.changed(run->id);
+    execute(*run, stop);
+    events_.clear_progress(run->id);
+    events_.changed(run->id);
+    const std::lock_guard lock(mutex_);
+    active_.erase(run->id);
+  }
+}
+
+void JobQueue::execute(const RunRecord& run, std::stop_token stop) {
+  std::stop_token cancelled;
+  {
+    const std::lock_guard lock(mutex_);
+    cancelled = active_.at(run.id).get_token();
+  }
+  if (run.starts_without_result > kMaxStartsWithoutResult) {
+    finish(
+        run.id, RunStatus::failed,
+        fmt::format("given up: the service ended {} times while it ran, without a new result", kMaxStartsWithoutResult),
+        stop);
+    return;
+  }
+  const std::filesystem::path job_folder = folder_.job(run.id);
+  Verdict verdict{RunStatus::failed, ""};
+  bool interrupted = false;
+  try {
+    std::filesystem::remove_all(job_folder);
+    std::filesystem::create_directories(job_folder / "out");
+    replay::ReplayJob job{folder_.capture(run.capture), job_folder / "out", folder_.cache(), run.options};
+    job.options.skip = store_.stored_pairs(run.id);
+    const std::filesystem::path job_file = job_folder / "job.json";
+    write_job_file(job_file, job);
+
+    WorkerSession session(store_, events_, run, job.out_dir, job.options.skip);
+    std::stop_source either;
+    const std::stop_callback on_shutdown(stop, [&] { either.request_stop(); });
+    const std::stop_callback on_cancel(cancelled, [&] { either.request_stop(); });
+    const ChildOutcome outcome =
+        run_child({options_.program.string(), "worker", "--job", job_file.string()}, options_.limits,
+                  either.get_token(), [&](std::string_view line) { return session.take_line(line); });
+    interrupted = outcome.kind == ChildOutcome::Kind::stopped && !cancelled.stop_requested();
+    verdict = outcome.kind == ChildOutcome::Kind::stopped ? Verdict{RunStatus::cancelled, ""} : judge(outcome, session);
+  } catch (const SqliteError& error) {
+    verdict.reason = error.disk_full() ? "the disk is full: results can't be stored"
+                                       : fmt::format("results can't be stored: {}", error.what());
+  } catch (const std::exception& error) {
+    verdict.reason = error.what();
+  }
+  std::error_code ignored;  // what stays is removed at the next start
+  std::filesystem::remove_all(job_folder, ignored);
+  if (interrupted) return;  // stays `running` in the store, from where stop() puts it back
+  if (verdict.status == RunStatus::failed) spdlog::warn("run {} failed: {}", run.id, verdict.reason);
+  finish(run.id, verdict.status, verdict.reason, stop);
+}
+
+void JobQueue::finish(std::int64_t run, RunStatus status, const std::string& reason, std::stop_token stop) {
+  // On a full disk not even this may be storable. The run must not start again by itself, so wait for room.
+  while (true) {
+    try {
+      store_.finish_run(run, status, reason);
+      return;
+    } catch (const std::exception& error) {
+      spdlog::error("storing the end of run {}: {}", run, error.what());
+    }
+    std::unique_lock lock(mutex_);
+    wake_.wait_for(lock, stop, std::chrono::seconds(2), [] { return false; });
+    if (stop.stop_requested()) return;
+  }
+}
+
+}  // namespace subpixel::server

@@ -1,0 +1,59 @@
+// Takes queued runs from the store and has each replayed by a worker process. A worker that crashes, hangs, runs out of
+// memory or writes garbage ends its run with a reason. Runs that this process leaves unfinished, however it ends, are
+// taken up by the next one, which tells the worker to skip what is stored.
+#pragma once
+
+#include <condition_variable>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/child_process.hpp"
+#include "server/data_folder.hpp"
+#include "server/run_events.hpp"
+#include "server/store.hpp"
+
+namespace subpixel::server {
+
+struct WorkerOptions {
+  std::filesystem::path program;  // run as `program worker --job FILE` and `program info FILE --json`
+  std::uint32_t count = 1;        // runs at a time
+  ChildLimits limits;
+};
+
+class JobQueue {
+ public:
+  // All arguments outlive the queue. Nothing runs before start().
+  JobQueue(Store& store, const DataFolder& folder, RunEvents& events, WorkerOptions options);
+  ~JobQueue();
+
+  // Puts back what an ended process left running and begins to work.
+  void start();
+  // A run was added.
+  void notify();
+  // Cancels a queued or running run; false when it has ended already or does not exist. A running one ends soon after.
+  bool cancel(std::int64_t run);
+  // Ends all workers; their runs are resumed by the next start. Returns when they are gone.
+  void stop();
+
+ private:
+  void work(std::stop_token stop);
+  void execute(const RunRecord& run, std::stop_token stop);
+  void finish(std::int64_t run, RunStatus status, const std::string& reason, std::stop_token stop);
+
+  Store& store_;
+  const DataFolder& folder_;
+  RunEvents& events_;
+  WorkerOptions options_;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::uint64_t additions_ = 0;
+  std::map<std::int64_t, std::stop_source> active_;  // by run; requested to stop: cancelled by a user
+  std::vector<std::jthread> threads_;
+};
+
+}  // namespace subpixel::server

@@ -1,0 +1,102 @@
+#include "server/upload.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <vector>
+
+#include "server/http_error.hpp"
+
+namespace subpixel::server {
+namespace {
+
+[[noreturn]] void fail(int error) {
+  if (error == ENOSPC || error == EDQUOT || error == EFBIG) {
+    throw HttpError(507, "the capture can't be stored", "the disk is full", "data folder");
+  }
+  throw HttpError(500, "the capture can't be stored", std::strerror(error), "data folder");
+}
+
+bool same_bytes(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::ifstream first(a, std::ios::binary), second(b, std::ios::binary);
+  std::vector<char> first_block(std::size_t{1} << 20), second_block(first_block.size());
+  while (first && second) {
+    first.read(first_block.data(), static_cast<std::streamsize>(first_block.size()));
+    second.read(second_block.data(), static_cast<std::streamsize>(second_block.size()));
+    if (first.gcount() != second.gcount()) return false;
+    if (std::memcmp(first_block.data(), second_block.data(), static_cast<std::size_t>(first.gcount())) != 0)
+      return false;
+  }
+  return first.eof() && second.eof();
+}
+
+void sync_folder(const std::filesystem::path& folder) {
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) fail(errno);
+  ::fsync(fd);
+  ::close(fd);
+}
+
+}  // namespace
+
+struct Upload::Hash {
+  std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state{XXH3_createState(), &XXH3_freeState};
+};
+
+Upload::Upload(const DataFolder& folder) : folder_(folder), hash_(std::make_unique<Hash>()) {
+  std::string name = (folder.uploads() / "upload-XXXXXX").string();
+  file_ = ::mkostemp(name.data(), O_CLOEXEC);
+  if (file_ < 0) fail(errno);
+  path_ = name;
+  XXH3_128bits_reset(hash_->state.get());
+}
+
+Upload::~Upload() {
+  if (file_ >= 0) ::close(file_);
+  if (!path_.empty()) ::unlink(path_.c_str());
+}
+
+void Upload::append(std::string_view bytes) {
+  XXH3_128bits_update(hash_->state.get(), bytes.data(), bytes.size());
+  size_bytes_ += bytes.size();
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(errno);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+std::string Upload::finish() {
+  // Some file systems report a full disk only here.
+  if (::fsync(file_) != 0) fail(errno);
+  const int closed = ::close(file_);
+  file_ = -1;
+  if (closed != 0) fail(errno);
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash_->state.get()));
+  std::string hex;
+  for (const unsigned char byte : canonical.digest) {
+    constexpr char kDigits[] = "0123456789abcdef";
+    hex += kDigits[byte >> 4];
+    hex += kDigits[byte & 15];
+  }
+  return hex;
+}
+
+Upload::Kept Upload::keep(const std::string& hash) {
+  const std::filesystem::path target = folder_.capture(hash);
+  // link, not rename: it fails when the name exists, so of two equal uploads at the same time one stores the file.
+  if (::link(path_.c_str(), target.c_str()) == 0) {
+    sync_folder(folder_.captures());
+    return Kept::stored;
+  }
+  if (errno != EEXIST) fail(errno);
+  return same_bytes(path_, target) ? Kept::same_already : Kept::collision;
+}
+
+}  // namespace subpixel::server

@@ -1,0 +1,44 @@
+// A capture on its way in: bytes go to a file of their own and through the hash as they come, so memory use does not
+// depend on the capture's size, and nothing is left behind unless keep() succeeds.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "server/data_folder.hpp"
+
+namespace subpixel::server {
+
+class Upload {
+ public:
+  // Throws HttpError 507 when the disk is full, as all functions here do.
+  explicit Upload(const DataFolder& folder);
+  ~Upload();
+  Upload(const Upload&) = delete;
+  Upload& operator=(const Upload&) = delete;
+
+  void append(std::string_view bytes);
+  // No more bytes will come: the file is on the disk (fsync). Returns the content hash.
+  std::string finish();
+
+  const std::filesystem::path& path() const { return path_; }
+  std::uint64_t size_bytes() const { return size_bytes_; }
+
+  enum class Kept { stored, same_already, collision };
+  // Moves the file to its place by hash. A file that is there already is compared byte by byte: XXH3 is no
+  // cryptographic hash, and a made-up collision must not pass for another capture.
+  Kept keep(const std::string& hash);
+
+ private:
+  struct Hash;
+  const DataFolder& folder_;
+  std::filesystem::path path_;
+  int file_ = -1;
+  std::uint64_t size_bytes_ = 0;
+  std::unique_ptr<Hash> hash_;
+};
+
+}  // namespace subpixel::server

@@ -1,0 +1,153 @@
+#include "server/worker_session.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "capture_format/error.hpp"
+#include "replay/measure/json_fields.hpp"
+#include "server/text.hpp"
+
+namespace subpixel::server {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMaxImages = 64;
+constexpr off_t kMaxImageBytes = off_t{1} << 29;  // SQLite holds blobs up to 1e9 bytes
+constexpr std::size_t kMaxProgressText = 200;
+
+std::string media_type_of(std::string_view file_name) {
+  if (file_name.ends_with(".png")) return "image/png";
+  if (file_name.ends_with(".exr")) return "image/x-exr";
+  if (file_name.ends_with(".json")) return "application/json";
+  return "application/octet-stream";
+}
+
+// The bytes of a plain file named by the worker, which must not lead out of its folder.
+std::string read_worker_file(const std::filesystem::path& folder, const std::string& name) {
+  if (name.empty() || name.find('/') != std::string::npos || name.front() == '.' ||
+      name.find('\0') != std::string::npos) {
+    throw InputError("worker result", "an image's name is not a plain file name", printable(name, 80));
+  }
+  const std::filesystem::path path = folder / name;
+  const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  if (file < 0) throw InputError("worker result", "an image it names can't be opened", printable(name, 80));
+  struct Close {
+    int fd;
+    ~Close() { ::close(fd); }
+  } const close_at_end{file};
+  struct stat status {};
+  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size > kMaxImageBytes) {
+    throw InputError("worker result", "an image is no file or too large", printable(name, 80));
+  }
+  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
+  std::size_t filled = 0;
+  while (filled < bytes.size()) {
+    const ssize_t got = ::read(file, bytes.data() + filled, bytes.size() - filled);
+    if (got <= 0) throw InputError("worker result", "an image can't be read", printable(name, 80));
+    filled += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+WorkerSession::WorkerSession(Store& store, RunEvents& events, const RunRecord& run, std::filesystem::path out_dir,
+                             const std::vector<std::pair<std::uint32_t, std::uint32_t>>& stored)
+    : store_(store), events_(events), run_(run), out_dir_(std::move(out_dir)), taken_(stored.begin(), stored.end()) {}
+
+bool WorkerSession::take_line(std::string_view line) {
+  ++lines_;
+  try {
+    take_document(json::parse(line));
+    return true;
+  } catch (const json::exception& error) {
+    refusal_ = fmt::format("the worker's line {} is no valid message: {}", lines_, printable(error.what(), 300));
+  } catch (const Error& error) {
+    refusal_ = fmt::format("the worker's line {} was refused: {}", lines_, printable(error.what(), 300));
+  }
+  return false;
+}
+
+void WorkerSession::take_document(const json& document) {
+  const replay::JsonField message(document, "worker message");
+  const std::string type = message.member("type").text();
+  if (done_) throw InputError("worker message", "it follows \"done\"", type);
+  if (type == "progress") {
+    take_progress(document);
+  } else if (type == "head") {
+    // Through the struct, so that what is stored has the form everyone reads.
+    store_.set_head(run_.id, replay::to_json(replay::results_head_from_json(message.member("head").raw())));
+  } else if (type == "result") {
+    take_result(message.member("result").raw());
+  } else if (type == "error") {
+    error_ = printable(message.member("message").text(), 2000);
+  } else if (type == "done") {
+    done_ = true;
+  } else {
+    message.member("type").fail("unknown type " + printable(type, 40));
+  }
+}
+
+void WorkerSession::take_progress(const json& document) {
+  const replay::JsonField message(document, "worker message");
+  json progress = {
+      {"stage", printable(message.member("stage").text(), kMaxProgressText)},
+      {"done", message.member("done").number()},
+      {"total", message.member("total").number()},
+      {"detail", message.has("detail") ? printable(message.member("detail").text(), kMaxProgressText) : ""}};
+  events_.progress(run_.id, std::move(progress));
+}
+
+void WorkerSession::take_result(const json& document) {
+  const replay::FrameResult result = replay::frame_result_from_json(document);
+  const std::uint32_t ordinal = technique_ordinal(result);
+  const std::map<std::string, Blob> images = load_images(result);
+  store_.add_result(run_.id, ordinal, result, images);
+  taken_.emplace(result.frame, ordinal);
+  for (const auto& [role, file] : result.images) {
+    std::error_code ignored;  // a file that stays is removed with the job's folder
+    std::filesystem::remove(out_dir_ / file, ignored);
+  }
+  if (run_.kind == RunKind::thumbnail && images.contains("image")) {
+    const std::vector<StoredResult> stored = store_.results(run_.id);
+    store_.set_thumbnail(run_.capture, stored.back().document.at("images").at("image").get<std::string>());
+  }
+  events_.changed(run_.id);
+}
+
+// The protocol names a result by technique and parameters, the request by its place in the list.
+std::uint32_t WorkerSession::technique_ordinal(const replay::FrameResult& result) const {
+  const auto [first, last] = run_.options.frames.value();
+  if (result.frame < first || result.frame > last) {
+    throw InputError("worker result", "it is for a frame outside of the run", fmt::format("frame {}", result.frame));
+  }
+  const auto& techniques = run_.options.techniques;
+  for (std::uint32_t i = 0; i < techniques.size(); ++i) {
+    if (taken_.contains({result.frame, i}) || techniques[i].technique != result.technique) continue;
+    const bool same = std::ranges::all_of(techniques[i].parameters, [&](const auto& asked) {
+      const auto given = result.parameters.find(asked.first);
+      return given == result.parameters.end() || given->second == asked.second;
+    });
+    if (same) return i;
+  }
+  throw InputError("worker result", "it is not of this run, or came twice",
+                   fmt::format("frame {} {}", result.frame, printable(result.technique, 60)));
+}
+
+std::map<std::string, Blob> WorkerSession::load_images(const replay::FrameResult& result) const {
+  if (result.images.size() > kMaxImages) {
+    throw InputError("worker result", "it names too many images", std::to_string(result.images.size()));
+  }
+  std::map<std::string, Blob> images;
+  for (const auto& [role, file] : result.images) {
+    images[role] = Blob{media_type_of(file), read_worker_file(out_dir_, file)};
+  }
+  return images;
+}
+
+}  // namespace subpixel::server

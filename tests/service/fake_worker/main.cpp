@@ -1,0 +1,238 @@
+// A stand-in for `subpixel worker` and `subpixel info`: it speaks the worker protocol without a device and goes wrong
+// on request. Its "captures" are text: "FAKE " and a JSON object that says how to behave:
+//   title, frames       what `info` reports
+//   result_ms           how long each result takes
+//   fail_at, how        before result number fail_at (from 0, skipped ones counted): see misbehave()
+//   log                 a file that gets a line "frame/technique" for each result measured
+//   width, height       of the images; 0: as asked for
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <string>
+#include <thread>
+
+#include "replay/worker_protocol.hpp"
+#include "tests/service/fake_worker/png.hpp"
+
+namespace {
+
+using nlohmann::json;
+using namespace subpixel;
+
+void say(const json& message) {
+  std::cout << message.dump() << std::endl;
+}
+
+json read_fake_capture(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  if (!text.starts_with("FAKE ")) {
+    std::cerr << "subpixel: can't read the capture: the file does not begin as one: " << path << ", byte offset 0\n";
+    ::_exit(3);
+  }
+  return json::parse(text.substr(5, text.find('\n', 5) - 5));
+}
+
+void misbehave(const std::string& how) {
+  if (how == "segv") ::raise(SIGSEGV);
+  if (how == "kill") ::raise(SIGKILL);
+  if (how == "hang") std::this_thread::sleep_for(std::chrono::hours(1));
+  if (how == "chatter") {
+    while (true) say({{"type", "progress"}, {"stage", "replay"}, {"done", 1}, {"total", 2}, {"detail", "on and on"}});
+  }
+  if (how == "exit") {
+    std::cerr << "first words\nthe driver lost the device\n";
+    ::_exit(4);
+  }
+  if (how == "error") {
+    say({{"type", "error"}, {"message", "can't replay: the device lacks int64: feature shaderInt64"}, {"exit", 4}});
+    ::_exit(4);
+  }
+  if (how == "garbage") std::cout << "\x01\xff not json at all" << std::endl;
+  if (how == "long_line") std::cout << std::string(std::size_t{64} << 20, 'x') << std::endl;
+  if (how == "quit") ::_exit(0);
+  if (how == "memory") {
+    // Untouched pages cost nothing but count as address space.
+    if (::mmap(nullptr, std::size_t{64} << 30, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0) ==
+        MAP_FAILED) {
+      std::cerr << "out of memory\n";
+      ::abort();
+    }
+  }
+}
+
+struct Colour {
+  double r, g, b;
+};
+
+// Something with edges at every angle, so that the viewer has something to compare.
+Colour scene_at(double x, double y, std::uint32_t frame) {
+  const double angle = std::atan2(y - 0.5, x - 0.5) + 0.02 * frame;
+  const double radius = std::hypot(x - 0.5, y - 0.5);
+  const bool spoke = std::fmod(angle * 16 / 3.14159265 + 64, 2) < 1 && radius < 0.42;
+  if (spoke) return {0.95 - radius, 0.55 + 0.3 * x, 0.25};
+  return {0.25 + 0.3 * y, 0.45 + 0.3 * y, 0.75};
+}
+
+std::vector<std::uint8_t> render(std::uint32_t width, std::uint32_t height, std::uint32_t frame, int samples) {
+  std::vector<std::uint8_t> pixels;
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      Colour sum{0, 0, 0};
+      for (int s = 0; s < samples; ++s) {
+        const double jitter_x = (s % 4 + 0.5) / std::min(samples, 4), jitter_y = (s / 4 + 0.5) / ((samples + 3) / 4);
+        const Colour c =
+            scene_at((x + jitter_x) / width, 0.5 + ((y + jitter_y) / height - 0.5) * height / width, frame);
+        sum = {sum.r + c.r, sum.g + c.g, sum.b + c.b};
+      }
+      for (const double value : {sum.r, sum.g, sum.b}) {
+        pixels.push_back(static_cast<std::uint8_t>(std::clamp(value / samples, 0.0, 1.0) * 255));
+      }
+    }
+  }
+  return pixels;
+}
+
+replay::ResultsHead make_head(const replay::ReplayJob& job, const std::string& title) {
+  replay::ResultsHead head;
+  head.capture_title = title;
+  head.driver = "fake";
+  head.driver_version = "1.0";
+  head.device = "no device at all";
+  head.cpu_model = "test double";
+  head.build = "fake";
+  head.date_utc = "2025-01-01T00:00:00Z";
+  head.width = job.options.width;
+  head.height = job.options.height;
+  head.repeat = job.options.repeat;
+  head.reference_samples = job.options.reference_samples;
+  head.triangles_first_frame = 1234;
+  head.features = {"textures", "alpha test"};
+  return head;
+}
+
+replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t frame, std::uint32_t index,
+                                std::uint32_t width, std::uint32_t height) {
+  const replay::TechniqueRequest& request = job.options.techniques[index];
+  replay::FrameResult result;
+  result.frame = frame;
+  result.technique = request.technique;
+  result.parameters = request.parameters;
+  const auto samples = request.parameters.find("samples");
+  result.samples = samples != request.parameters.end() ? samples->second.get<std::uint32_t>() : 1;
+  result.width = width;
+  result.height = height;
+  const std::uint64_t pixels = std::uint64_t{width} * height;
+  result.ms.passes = {
+      {"set-up", 2.5}, {"geometry", 20.0 + 4 * result.samples + frame}, {"shade", 11.0 * result.samples}};
+  for (const auto& pass : result.ms.passes) result.ms.total_ms += pass.median_ms;
+  result.ms.spread_ms = 1.25;
+  result.ms.cold_ms = 400;
+  result.memory.paper_bytes_per_pixel = 20.0 * result.samples;
+  result.memory.fitted_bytes_per_pixel = 16.0 * result.samples;
+  result.memory.paper_bytes = 20 * result.samples * pixels;
+  result.memory.fitted_bytes = 16 * result.samples * pixels;
+  result.memory.allocated_bytes = result.memory.paper_bytes + 4096;
+  result.shading.executions = pixels * result.samples;
+  result.shading.per_pixel_mean = result.samples;
+  result.shading.histogram = {pixels / 4, pixels - pixels / 4};
+  if (job.options.reference_samples > 0) {
+    result.error.mse = 1e-3 / result.samples;
+    result.error.psnr_db = -10 * std::log10(result.error.mse);
+  }
+  const std::string stem = "f" + std::to_string(frame) + "-" + std::to_string(index);
+  const std::vector<std::uint8_t> image = render(width, height, frame, static_cast<int>(result.samples));
+  const auto write = [&](const std::string& role, const std::vector<std::uint8_t>& rgb) {
+    result.images[role] = stem + "-" + role + ".png";
+    tests::write_png(job.out_dir / result.images[role], width, height, rgb);
+  };
+  write("image", image);
+  if (job.options.reference_samples > 0) {
+    const std::vector<std::uint8_t> reference = render(width, height, frame, 64);
+    std::vector<std::uint8_t> error(reference.size());
+    for (std::size_t i = 0; i < error.size(); ++i) {
+      error[i] = static_cast<std::uint8_t>(std::min(255, 4 * std::abs(int{image[i]} - int{reference[i]})));
+    }
+    write("reference", reference);
+    write("error", error);
+  }
+  write("shading", std::vector<std::uint8_t>(image.rbegin(), image.rend()));
+  result.images["hdr"] = stem + ".exr";
+  std::ofstream(job.out_dir / result.images["hdr"], std::ios::binary) << "\x76\x2f\x31\x01 fake " << stem;
+  return result;
+}
+
+int info(const std::string& path) {
+  const json fake = read_fake_capture(path);
+  if (fake.value("how", "") == "info_segv") ::raise(SIGSEGV);
+  std::cout << json{{"title", fake.value("title", "A fake capture")},
+                    {"frame_count", fake.value("frames", 2)},
+                    {"width", fake.value("width", 64)},
+                    {"height", fake.value("height", 36)},
+                    {"triangles", 1234},
+                    {"features", {"textures", "alpha test"}}}
+                   .dump(2)
+            << "\n";
+  return 0;
+}
+
+int work(const std::string& job_path) {
+  std::ifstream file(job_path);
+  const replay::ReplayJob job = replay::replay_job_from_json(json::parse(file));
+  const json fake = read_fake_capture(job.capture.string());
+  const bool thumbnail = job.options.reference_samples == 0 && job.options.width == 320;
+  const auto [first, last] = job.options.frames.value();
+  const int fail_at = thumbnail ? -1 : fake.value("fail_at", -1);
+  const std::string how = fake.value("how", "");
+  const std::uint32_t width = job.options.width != 0 ? job.options.width : fake.value("width", 64u);
+  const std::uint32_t height = job.options.height != 0 ? job.options.height : fake.value("height", 36u);
+
+  say({{"type", "progress"}, {"stage", "load"}, {"done", 0}, {"total", 1}, {"detail", "<b>capture</b>"}});
+  say({{"type", "head"}, {"head", replay::to_json(make_head(job, fake.value("title", "A fake capture")))}});
+  const auto techniques = static_cast<std::uint32_t>(job.options.techniques.size());
+  const std::uint32_t total = (last - first + 1) * techniques;
+  std::uint32_t done = 0;
+  for (std::uint32_t frame = first; frame <= last; ++frame) {
+    for (std::uint32_t index = 0; index < techniques; ++index, ++done) {
+      const std::pair<std::uint32_t, std::uint32_t> pair{frame, index};
+      if (std::ranges::find(job.options.skip, pair) != job.options.skip.end()) continue;
+      if (fail_at == static_cast<int>(done)) misbehave(how);
+      say({{"type", "progress"},
+           {"stage", "replay"},
+           {"done", done},
+           {"total", total},
+           {"detail", "frame " + std::to_string(frame) + " " + job.options.techniques[index].technique}});
+      std::this_thread::sleep_for(std::chrono::milliseconds(thumbnail ? 0 : fake.value("result_ms", 0)));
+      json result = replay::to_json(make_result(job, frame, index, width, height));
+      if (fail_at == static_cast<int>(done) && how == "escape") result["images"]["image"] = "../job.json";
+      if (fail_at == static_cast<int>(done) && how == "foreign") result["frame"] = 4000;
+      if (fake.contains("log") && !thumbnail) {
+        std::ofstream(fake["log"].get<std::string>(), std::ios::app) << frame << "/" << index << "\n";
+      }
+      say({{"type", "result"}, {"result", result}});
+    }
+  }
+  if (how == "no_done") return 0;
+  say({{"type", "head"}, {"head", replay::to_json(make_head(job, fake.value("title", "A fake capture")))}});
+  say({{"type", "done"}});
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (arguments.size() == 3 && arguments[0] == "info" && arguments[2] == "--json") return info(arguments[1]);
+  if (arguments.size() == 3 && arguments[0] == "worker" && arguments[1] == "--job") return work(arguments[2]);
+  std::cerr << "usage: info FILE --json | worker --job FILE\n";
+  return 2;
+}
