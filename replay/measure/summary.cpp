@@ -17,6 +17,7 @@ class Accumulator {
     ++count_;
   }
   double mean() const { return count_ == 0 ? std::numeric_limits<double>::quiet_NaN() : sum_ / count_; }
+  std::uint32_t count() const { return count_; }
   double maximum() const { return count_ == 0 ? std::numeric_limits<double>::quiet_NaN() : maximum_; }
 
  private:
@@ -66,6 +67,9 @@ struct Accumulators {
     summary.error.flip_max = flip_max.maximum();
     summary.error.hdr_rel_mse = hdr.mean();
     summary.error.flicker = flicker.mean();
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    summary.worst_mse = mse.count() == summary.frames ? mse.maximum() : none;
+    summary.worst_flip = flip_mean.count() == summary.frames ? flip_mean.maximum() : none;
   }
 };
 

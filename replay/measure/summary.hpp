@@ -20,6 +20,8 @@ struct Summary {
   // A metric is the mean over the frames that have it, NaN when none has; flip_p99 and flip_max are the worst frame's,
   // psnr_db follows from the mean of the MSE.
   ImageError error;
+  // Of the worst frame, NaN when a frame has none: a budget holds for every frame or not at all.
+  double worst_mse = 0, worst_flip = 0;
 };
 
 // In the order of first appearance.
