@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "capture_format/generate/grass_blades.hpp"
 #include "capture_format/generate/random.hpp"
 #include "capture_format/generate/scene_metadata.hpp"
 #include "capture_format/generate/scenes.hpp"
@@ -40,40 +41,6 @@ glm::dvec2 ground_slope(double x, double z) {
          (2 * kStep);
 }
 
-void add_blade(Mesh& mesh, const GrassParameters& parameters, Random& random) {
-  const double turn = random.between(0, 2 * kPi);
-  const glm::dvec3 root(random.between(-0.5, 0.5) * kPatchSide_m, -0.02, random.between(-0.5, 0.5) * kPatchSide_m);
-  const glm::dvec3 lean(cosine(turn), 0, sine(turn));
-  const glm::dvec3 across(-sine(turn), 0, cosine(turn));
-  const double height = parameters.blade_height_m * random.between(0.6, 1.4);
-  const double width = parameters.blade_width_m * random.between(0.7, 1.3);
-  const double bend = random.between(0.1, 1.1);  // radians between root's and tip's directions, half of it
-  glm::dvec3 at = root;
-  std::uint32_t left = 0;
-  std::uint32_t right = 0;
-  for (std::uint32_t i = 0; i <= parameters.segments; ++i) {
-    const double t = static_cast<double>(i) / parameters.segments;
-    const double angle = bend * 2 * t * t;
-    const glm::dvec3 along = glm::dvec3(0, cosine(angle), 0) + lean * sine(angle);
-    const glm::dvec3 normal = glm::normalize(glm::cross(across, along));
-    if (i == parameters.segments) {
-      const std::uint32_t tip = mesh.add_vertex(at, normal, {0.5, 0});
-      mesh.add_triangle(left, right, tip);
-      break;
-    }
-    const glm::dvec3 half = across * (0.5 * width * (1 - 0.75 * t * t));
-    const std::uint32_t new_left = mesh.add_vertex(at - half, normal, {0, 1 - t});
-    const std::uint32_t new_right = mesh.add_vertex(at + half, normal, {1, 1 - t});
-    if (i > 0) {
-      mesh.add_triangle(left, right, new_right);
-      mesh.add_triangle(left, new_right, new_left);
-    }
-    left = new_left;
-    right = new_right;
-    at += along * (height / parameters.segments);
-  }
-}
-
 // A patch follows the slope by shearing, which keeps its blades upright.
 glm::dmat4 patch_placement(double x, double z, double scale, Random& random) {
   const glm::dvec2 slope = ground_slope(x, z);
@@ -91,20 +58,15 @@ void draw_blades(SceneBuilder& scene, const GenerateOptions& options, const Gras
   const std::array<std::array<glm::dvec3, 2>, 3> colours{
       {{{{38, 66, 20}, {134, 160, 58}}}, {{{30, 58, 24}, {96, 144, 60}}}, {{{58, 68, 28}, {182, 170, 86}}}}};
   for (std::size_t i = 0; i < materials.size(); ++i) {
-    const std::string name = "grass " + std::to_string(i);
-    Material material;
-    material.name = name;
-    material.base_colour_texture = scene.add_texture(blade_texture(name, 16, 64, colours[i][0], colours[i][1]));
-    material.roughness = 0.55f;
-    material.two_sided = true;
-    materials[i] = scene.add_material(material);
+    materials[i] = add_grass_material(scene, "grass " + std::to_string(i), colours[i][0], colours[i][1]);
   }
   const double wanted = std::max(1.0, std::floor(parameters.blades_per_patch * options.density + 0.5));
   const auto blades = static_cast<std::uint32_t>(wanted);
+  const BladeShape shape{parameters.segments, parameters.blade_height_m, parameters.blade_width_m, kPatchSide_m};
   std::vector<Draw> variants;
   for (std::uint32_t v = 0; v < kVariants; ++v) {
     Mesh mesh;
-    for (std::uint32_t i = 0; i < blades; ++i) add_blade(mesh, parameters, random);
+    for (std::uint32_t i = 0; i < blades; ++i) add_blade(mesh, shape, random);
     variants.push_back(scene.add_mesh("patch " + std::to_string(v), mesh));
   }
   const double far = parameters.view_distance_m;

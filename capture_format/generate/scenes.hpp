@@ -10,7 +10,7 @@ namespace subpixel::capture {
 
 // Stand-in for the grass field of Kerzner and Salvi 2014: most blades are a pixel wide or less.
 struct GrassParameters {
-  std::uint32_t blades_per_patch = 44;  // times density
+  std::uint32_t blades_per_patch = 40;  // times density
   std::uint32_t segments = 4;           // of a blade along its length: 2 triangles each, 1 for the tip's
   double blade_height_m = 0.42;         // 60% to 140% of it
   double blade_width_m = 0.011;         // at the root

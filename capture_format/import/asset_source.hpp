@@ -1,0 +1,41 @@
+// Where the importer finds model, material and texture files: a folder or a zip archive (Sweet Home 3D's .sh3f is one).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace subpixel::capture {
+
+inline constexpr std::uint64_t kMaxAssetBytes = 1ull << 30;  // of one file, decompressed
+
+class AssetSource {
+ public:
+  AssetSource() = default;
+  AssetSource(const AssetSource&) = delete;
+  AssetSource& operator=(const AssetSource&) = delete;
+  virtual ~AssetSource() = default;
+
+  // The file's bytes, or nothing when there is none of that name. Throws InputError when it is there but larger than
+  // kMaxAssetBytes or damaged.
+  virtual std::optional<std::vector<std::byte>> read(const std::string& name) const = 0;
+  virtual bool contains(const std::string& name) const = 0;
+
+  // For messages: where `name` was looked for.
+  virtual std::string describe(const std::string& name) const = 0;
+};
+
+// Names are relative to the folder, or absolute.
+std::unique_ptr<AssetSource> open_folder(const std::filesystem::path& folder);
+
+// Names are those of the archive's members. Throws InputError when it is no zip archive.
+std::unique_ptr<AssetSource> open_archive(const std::filesystem::path& archive);
+
+// `name` with '\' made '/', and "." and ".." resolved: file names inside models come from every system.
+std::string normal_name(std::string name);
+
+}  // namespace subpixel::capture

@@ -1,0 +1,142 @@
+#include "capture_format/import/import.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <glm/geometric.hpp>
+
+#include "capture_format/error.hpp"
+#include "capture_format/import/assemble.hpp"
+#include "capture_format/import/text.hpp"
+#include "capture_format/limits.hpp"
+
+namespace subpixel::capture {
+namespace {
+
+constexpr const char* kDefaultAssets = "/usr/share/sweethome3d/furniture";
+constexpr const char* kTool = "subpixel importer 1";  // counts up when it makes other captures of the same files
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+std::vector<std::filesystem::path> asset_folders(const std::filesystem::path& description,
+                                                 const ImportOptions& options) {
+  std::vector<std::filesystem::path> folders{description.has_parent_path() ? description.parent_path() : "."};
+  if (!options.asset_folders.empty()) {
+    folders.insert(folders.end(), options.asset_folders.begin(), options.asset_folders.end());
+    return folders;
+  }
+  const char* variable = std::getenv("SUBPIXEL_ASSETS");
+  if (variable == nullptr || *variable == '\0') {
+    folders.emplace_back(kDefaultAssets);
+    return folders;
+  }
+  std::string list = variable;
+  for (std::size_t at = 0; at <= list.size();) {
+    const std::size_t end = std::min(list.find(':', at), list.size());
+    if (end > at) folders.emplace_back(list.substr(at, end - at));
+    at = end + 1;
+  }
+  return folders;
+}
+
+// A quarter of a degree a frame moves what is nearest by a few pixels; 20 degrees above, the whole model in sight.
+CameraPath orbit(const Model& model, std::uint32_t frames, double frames_per_second, double aspect) {
+  constexpr double kFov = 45;
+  constexpr double kStepDegrees = 0.25;
+  const glm::dvec3 centre = (model.low + model.high) * 0.5;
+  const double radius = std::max(glm::length(model.high - model.low) * 0.5, 1e-6);
+  const double narrower = std::min(1.0, aspect);
+  const double distance = 1.05 * radius / (sine(kFov * kPi / 360) * narrower);
+  std::vector<CameraKey> keys;
+  for (std::uint32_t i = 0; i < std::max(frames, 2u); ++i) {
+    const double turn = (30 + kStepDegrees * i) * kPi / 180;
+    const double rise = 20 * kPi / 180;
+    const glm::dvec3 away(cosine(rise) * sine(turn), sine(rise), cosine(rise) * cosine(turn));
+    keys.push_back({i / frames_per_second, centre + away * distance, centre, kFov});
+  }
+  return CameraPath(keys, distance * 1e-3);
+}
+
+Capture import_model(const std::filesystem::path& path, const ImportOptions& options) {
+  const Model model = load_model(*open_folder(path.parent_path()), path.filename().string());
+  Metadata metadata;
+  metadata.title = to_utf8(path.stem().string());
+  metadata.application = to_utf8(path.filename().string());
+  metadata.tool = kTool;
+  SceneBuilder scene(metadata);
+  scene.environment.sun = model.sun;
+  scene.environment.point_lights = model.point_lights;
+  if (!model.sun && model.point_lights.empty()) {
+    scene.environment.sun = DirectionalLight{{-0.45f, -0.75f, -0.5f}, {3, 3, 3}, true};
+  }
+  const std::vector<std::uint32_t> materials = add_materials(scene, model);
+  for (const ModelPart& part : model.parts) {
+    const Draw mesh = scene.add_mesh(part.name, part.mesh);
+    // Each place is a draw call of its own, as the application that the file stands for would make it.
+    for (const glm::dmat4& place : part.placements) scene.draw(mesh, part.name, materials[part.material], place);
+  }
+  const std::uint32_t frames = options.frames.value_or(10);
+  const std::uint32_t width = options.width.value_or(1280);
+  const std::uint32_t height = options.height.value_or(720);
+  constexpr double kFramesPerSecond = 30;
+  if (!options.camera.empty() && options.camera != "orbit") {
+    return scene.finish(read_camera_file(options.camera), frames, width, height, kFramesPerSecond);
+  }
+  if (options.camera.empty() && model.camera) {
+    return scene.finish(CameraPath({*model.camera}), frames, width, height, kFramesPerSecond);
+  }
+  const CameraPath path_around = orbit(model, frames, kFramesPerSecond, static_cast<double>(width) / height);
+  return scene.finish(path_around, frames, width, height, kFramesPerSecond);
+}
+
+Capture import_description(const std::filesystem::path& path, const ImportOptions& options) {
+  const SceneDescription description = read_scene_description(path);
+  if (options.camera == "orbit") {
+    throw UsageError("can't import the scene", "a scene description has a camera of its own, orbit is for models",
+                     "camera");
+  }
+  Metadata metadata;
+  metadata.title = description.title;
+  metadata.application = to_utf8(path.filename().string());
+  metadata.tool = kTool;
+  metadata.licence = description.licence;
+  SceneBuilder scene(metadata);
+  scene.environment = description.environment;
+  assemble(scene, description, asset_folders(path, options), options.progress);
+  const CameraPath camera =
+      options.camera.empty() ? CameraPath(description.camera, description.near_m) : read_camera_file(options.camera);
+  return scene.finish(camera, options.frames.value_or(description.frames), options.width.value_or(description.width),
+                      options.height.value_or(description.height), description.frames_per_second);
+}
+
+void require_range(const char* name, const std::optional<std::uint32_t>& value, std::uint32_t most) {
+  if (value && (*value < 1 || *value > most)) {
+    throw UsageError("can't import the file", fmt::format("{} is outside 1 to {}", *value, most), name);
+  }
+}
+
+}  // namespace
+
+Capture import_file(const std::filesystem::path& path, const ImportOptions& options) {
+  require_range("frames", options.frames, kMaxFrames);
+  require_range("width", options.width, kMaxFrameSide);
+  require_range("height", options.height, kMaxFrameSide);
+  const std::string extension = lower_extension(path);
+  if (extension == ".rdc") {
+    throw UsageError("RenderDoc captures can't be read",
+                     "this program has no reader for them; export the frame's scene as glTF, or record with "
+                     "capture_format/recorder.hpp",
+                     path.string());
+  }
+  return extension == ".json" ? import_description(path, options) : import_model(path, options);
+}
+
+}  // namespace subpixel::capture
