@@ -101,32 +101,12 @@ gpu::Image upload_mipmaps(gpu::Device& device, const std::string& name, const Mi
   return image;
 }
 
-std::array<std::uint32_t, gpu::kMaterialTextures> textures_of(const capture::Material& material) {
-  return {material.base_colour_texture, material.metallic_roughness_texture, material.normal_texture,
-          material.emissive_texture};
-}
-
 }  // namespace
 
 void GpuScene::Impl::upload_textures(gpu::Device& device, const capture::Capture& capture) {
-  const std::vector<bool> used = used_materials(capture);
-  // A texture is cut at the lowest cutoff, seen from the texel, of the materials that cut with it.
-  std::map<std::uint32_t, std::optional<float>> cutoffs;
-  for (std::size_t m = 0; m < used.size(); ++m) {
-    if (!used[m]) continue;
-    const auto& material = capture.materials[m];
-    for (const std::uint32_t texture : textures_of(material))
-      if (texture != capture::kNone) cutoffs.try_emplace(texture);
-    if (!is_alpha_tested(material) || material.base_colour_texture == capture::kNone) continue;
-    auto& cutoff = cutoffs[material.base_colour_texture];
-    const float factor = std::max(material.base_colour[3], 1e-3f);
-    cutoff = std::min(cutoff.value_or(1.0f), material.alpha_cutoff / factor);
-  }
-  for (const auto& [number, cutoff] : cutoffs) {
-    Mipmaps mipmaps = decode_texture(capture.textures[number]);
-    build_mipmaps(mipmaps, cutoff);
-    textures.emplace(number, upload_mipmaps(device, "texture " + capture.textures[number].name, mipmaps));
-  }
+  for (const auto& use : texture_uses(capture))
+    textures.emplace(use.texture, upload_mipmaps(device, "texture " + capture.textures[use.texture].name,
+                                                 load_texture(capture, use)));
   white = upload_mipmaps(device, "white", {1, 1, false, {{255, 255, 255, 255}}});
 }
 

@@ -1,7 +1,7 @@
 #include "replay/scene/materials.hpp"
 
 #include <algorithm>
-#include <optional>
+#include <map>
 
 namespace subpixel::replay {
 namespace {
@@ -21,7 +21,33 @@ std::vector<bool> used_materials(const capture::Capture& capture) {
 
 bool is_alpha_tested(const capture::Material& material) {
   if (material.alpha_mode == capture::AlphaMode::opaque) return false;
-  return has(material.base_colour_texture) || material.base_colour[3] < material.alpha_cutoff;
+  const float needed = material.alpha_mode == capture::AlphaMode::blend ? 1.0f : material.alpha_cutoff;
+  return has(material.base_colour_texture) || material.base_colour[3] < needed;
+}
+
+std::array<std::uint32_t, 4> textures_of(const capture::Material& material) {
+  return {material.base_colour_texture, material.metallic_roughness_texture, material.normal_texture,
+          material.emissive_texture};
+}
+
+std::vector<TextureUse> texture_uses(const capture::Capture& capture) {
+  std::map<std::uint32_t, TextureUse> uses;
+  const std::vector<bool> used = used_materials(capture);
+  for (std::size_t m = 0; m < used.size(); ++m) {
+    if (!used[m]) continue;
+    const auto& material = capture.materials[m];
+    for (const std::uint32_t texture : textures_of(material))
+      if (has(texture)) uses.try_emplace(texture, TextureUse{texture});
+    if (!is_alpha_tested(material) || !has(material.base_colour_texture)) continue;
+    auto& use = uses[material.base_colour_texture];
+    use.alpha_weighted = true;
+    if (material.alpha_mode != capture::AlphaMode::test) continue;
+    const float cutoff = material.alpha_cutoff / std::max(material.base_colour[3], 1e-3f);
+    use.alpha_cutoff = std::min(use.alpha_cutoff.value_or(1.0f), cutoff);
+  }
+  std::vector<TextureUse> result;
+  for (const auto& [number, use] : uses) result.push_back(use);
+  return result;
 }
 
 gpu_types::MaterialRecord record_of(const capture::Material& material) {

@@ -208,25 +208,30 @@ Mipmaps decode_texture(const capture::Texture& texture) {
   return image;
 }
 
-void build_mipmaps(Mipmaps& image, std::optional<float> alpha_cutoff) {
-  const bool by_alpha = alpha_cutoff.has_value();
-  Level level = to_linear(image, by_alpha);
+void build_mipmaps(Mipmaps& image, bool alpha_weighted, std::optional<float> alpha_cutoff) {
+  Level level = to_linear(image, alpha_weighted);
   while (level.width > kMaxTextureSide || level.height > kMaxTextureSide) {
     level = halved(level);
-    image.levels.front() = to_bytes(level, image.srgb, by_alpha);
+    image.levels.front() = to_bytes(level, image.srgb, alpha_weighted);
     image.width = level.width;
     image.height = level.height;
   }
-  const double cutoff = by_alpha ? std::clamp(*alpha_cutoff * 255.0, 1.0, 255.0) : 0.0;
-  const double wanted = by_alpha ? coverage(image.levels.front(), 1.0, cutoff) : 0.0;
   image.levels.resize(1);
   while (level.width > 1 || level.height > 1) {
     level = halved(level);
-    image.levels.push_back(to_bytes(level, image.srgb, by_alpha));
+    image.levels.push_back(to_bytes(level, image.srgb, alpha_weighted));
   }
-  if (!by_alpha) return;
-  fill_transparent(image);
+  if (alpha_weighted) fill_transparent(image);
+  if (!alpha_cutoff) return;
+  const double cutoff = std::clamp(*alpha_cutoff * 255.0, 1.0, 255.0);
+  const double wanted = coverage(image.levels.front(), 1.0, cutoff);
   for (std::size_t l = 1; l < image.levels.size(); ++l) keep_coverage(image.levels[l], wanted, cutoff);
+}
+
+Mipmaps load_texture(const capture::Capture& capture, const TextureUse& use) {
+  Mipmaps mipmaps = decode_texture(capture.textures[use.texture]);
+  build_mipmaps(mipmaps, use.alpha_weighted, use.alpha_cutoff);
+  return mipmaps;
 }
 
 }  // namespace subpixel::replay

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "capture_format/capture.hpp"
+#include "replay/scene/materials.hpp"
 
 namespace subpixel::replay {
 
@@ -24,9 +25,12 @@ struct Mipmaps {
 Mipmaps decode_texture(const capture::Texture& texture);
 
 // Adds all levels down to 1x1 by a box filter in linear light, after halving level 0 to fit kMaxTextureSide.
-// With an alpha cutoff: colours are averaged by alpha, so that what is cut away doesn't bleed in; fully transparent
-// texels take the colour around them; and each level's alpha is scaled so that as many texels pass the cutoff as at
-// level 0 (Castano, "Computing alpha mipmaps", 2010), or foliage would thin out with distance.
-void build_mipmaps(Mipmaps& image, std::optional<float> alpha_cutoff);
+// `alpha_weighted`: colours are averaged by alpha, so that what is cut away doesn't bleed in, and fully transparent
+// texels take the colour around them. `alpha_cutoff`: each level's alpha is scaled so that as many texels pass the
+// cutoff as at level 0 (Castano, "Computing alpha mipmaps", 2010), or foliage would thin out with distance.
+void build_mipmaps(Mipmaps& image, bool alpha_weighted, std::optional<float> alpha_cutoff);
+
+// Both for one use of a captured texture.
+Mipmaps load_texture(const capture::Capture& capture, const TextureUse& use);
 
 }  // namespace subpixel::replay
