@@ -1,0 +1,259 @@
+// The viewer in Chromium against the real service: upload, run, look at the results.
+//
+//   node viewer_test.mjs [--binary PATH] [--fake-worker PATH] [--screenshots DIR]
+//
+// The browser is $SUBPIXEL_CHROMIUM, else `chromium` of the search path. Prints "N passed, N failed"; exit code 1 if any failed.
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {mkdirSync, mkdtempSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join, resolve} from 'node:path';
+import {parseArgs} from 'node:util';
+import {chromium} from 'playwright-core';
+import {Service} from './service.mjs';
+
+const {values: options} = parseArgs({options: {
+  binary: {type: 'string', default: resolve(import.meta.dirname, '../../build/release/subpixel')},
+  'fake-worker': {type: 'string'},
+  screenshots: {type: 'string'},
+}});
+const hostileName = '<img src=x onerror=alert(1)>.spcap';
+const timeout = 120_000;  // a first frame pays the pipelines' compilation
+
+const service = new Service(resolve(options.binary), options['fake-worker'] ? resolve(options['fake-worker']) : null);
+const profile = mkdtempSync(join(tmpdir(), 'subpixel-profile-'));
+const executablePath = process.env.SUBPIXEL_CHROMIUM || execFileSync('which', ['chromium'], {encoding: 'utf8'}).trim();
+let context;
+let page;
+const complaints = [];  // what the page must not cause: script errors, refused resources, dialogs
+
+async function open() {
+  await service.start();
+  context = await chromium.launchPersistentContext(profile, {
+    executablePath, headless: true, viewport: {width: 1360, height: 900}, acceptDownloads: true,
+    args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
+      '--disable-component-update', '--disable-sync'],
+  });
+  page = context.pages()[0] ?? await context.newPage();
+  page.setDefaultTimeout(30_000);
+  page.on('pageerror', (error) => complaints.push(`script error: ${error.message}`));
+  page.on('console', (message) => message.type() === 'error' && complaints.push(`console: ${message.text()} ${message.location().url}`));
+}
+
+async function shot(name) {
+  if (!options.screenshots) return;
+  mkdirSync(options.screenshots, {recursive: true});
+  await page.screenshot({path: join(options.screenshots, `${name}.png`), fullPage: true});
+}
+
+const shown = () => page.locator('.view').getAttribute('data-shown');
+const viewIsDrawn = (previous) => page.waitForFunction(
+  (before) => (document.querySelector('.view')?.dataset.shown ?? null) !== before, previous);
+// A pixel of the canvas, by its share of width and height, as the browser shows it.
+const canvasPixel = (x, y) => page.locator('.view-canvas').evaluate((canvas, [sx, sy]) =>
+  [...canvas.getContext('2d').getImageData(Math.round(canvas.width * sx), Math.round(canvas.height * sy), 1, 1).data], [x, y]);
+
+const tests = [
+  ['an empty service says so', async () => {
+    await page.goto(service.url);
+    await page.getByText('No captures yet').waitFor();
+  }],
+
+  ['a capture is uploaded by drag and drop, with its thumbnail', async () => {
+    const path = service.capture('field.spcap', {title: 'Field <b>of</b> grass', frames: 3, width: 320, height: 180, result_ms: 150});
+    const {readFileSync} = await import('node:fs');
+    const transfer = await page.evaluateHandle(([base64, name]) => {
+      const data = new DataTransfer();
+      data.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
+      return data;
+    }, [readFileSync(path).toString('base64'), hostileName]);
+    await page.dispatchEvent('.drop', 'dragover', {dataTransfer: transfer});
+    assert.ok(await page.locator('.drop.over').count());
+    await page.dispatchEvent('.drop', 'drop', {dataTransfer: transfer});
+    await page.locator('.uploads').getByText('stored').waitFor();
+    assert.equal(await page.locator('.card').count(), 1);
+    await page.locator('.card img.thumbnail').waitFor({timeout});
+    await page.waitForFunction(() => document.querySelector('img.thumbnail').naturalWidth === 320);
+    await shot('captures');
+  }],
+
+  ['names are text, never markup', async () => {
+    await page.locator('.card').getByText(hostileName).waitFor();
+    assert.equal(await page.locator('.card img[src="x"]').count(), 0);
+  }],
+
+  ['the same file again is one capture, and a foreign file is refused with the reason', async () => {
+    await page.setInputFiles('#file', service.capture('again.spcap', {title: 'Field <b>of</b> grass', frames: 3, width: 320, height: 180, result_ms: 150}));
+    await page.locator('.uploads').getByText('was here already').waitFor();
+    const foreign = join(service.folder, 'foreign.spcap');
+    writeFileSync(foreign, 'this is no capture');
+    await page.setInputFiles('#file', foreign);
+    await page.locator('.uploads .problem').waitFor();
+    assert.match(await page.locator('.uploads .problem').innerText(), /no valid capture/);
+    assert.equal(await page.locator('.card').count(), 1);
+    // The refusal is an answer with status 422, which the browser logs.
+    complaints.splice(0, complaints.length, ...complaints.filter((text) => !text.includes('422')));
+  }],
+
+  ['the run form is made from the registry', async () => {
+    await page.locator('.cover').first().click();
+    await page.getByRole('heading', {name: 'New run'}).waitFor();
+    const {techniques} = await (await fetch(`${service.url}/api/techniques`)).json();
+    assert.equal(await page.locator('.technique').count(), techniques.length);
+    for (const technique of techniques) {
+      for (const parameter of technique.parameters) {
+        await page.locator('.technique', {has: page.locator('strong', {hasText: new RegExp(`^${technique.name}$`)})})
+          .getByText(parameter.doc).first().waitFor({state: 'attached'});
+      }
+    }
+    await shot('run-form');
+  }],
+
+  ['a wrong number is named by the form before it is sent', async () => {
+    await page.getByLabel('Last frame').fill('99');
+    await page.getByRole('button', {name: 'Start run'}).click();
+    assert.equal(await page.getByLabel('Last frame').evaluate((input) => input.validity.rangeOverflow), true);
+    await page.getByLabel('Last frame').fill('2');
+  }],
+
+  ['a run starts and its progress is live', async () => {
+    await page.getByLabel('Samples per pixel').selectOption('4');
+    await page.getByLabel('Reference samples').selectOption('64');
+    const msaa = page.locator('.technique', {hasText: 'msaa'}).first();
+    await msaa.getByRole('button', {name: 'another variant'}).click();
+    await msaa.locator('.variant').nth(1).getByLabel('samples').selectOption('8');
+    await page.getByRole('button', {name: 'Start run'}).click();
+    await page.waitForURL(/#\/runs\/\d+$/);
+    await page.locator('.results tbody tr').first().waitFor();
+    await page.waitForFunction(() => /[1-8] of 9 results/.test(document.querySelector('.progress')?.innerText ?? ''), null, {timeout});
+    await shot('run-live');
+    await page.locator('.pill.done').waitFor({timeout: 5 * timeout});
+    assert.match(await page.locator('.progress').innerText(), /9 of 9 results/);
+  }],
+
+  ['the table has memory, lighting, time with its ratio to msaa, and error', async () => {
+    const rows = page.locator('.results tbody tr');
+    assert.equal(await rows.count(), 3);
+    const baseline = await rows.nth(1).innerText();
+    assert.match(baseline, /msaa samples=4/);
+    assert.match(baseline, /1\.00×/);
+    for (let row = 0; row < 3; ++row) {
+      assert.equal(await rows.nth(row).locator('td').count(), 9);
+      assert.doesNotMatch(await rows.nth(row).innerText(), /NaN|undefined|not measured/);
+    }
+    await page.getByText('Time by pass').click();
+    assert.ok(await page.locator('.pass-bar span').count() >= 3);
+  }],
+
+  ['the wipe shows the image on one side and the reference on the other', async () => {
+    await page.getByRole('button', {name: 'Image ⇔ reference'}).click();
+    await page.locator('.view-label.left').getByText('msaa').waitFor();
+    const wipe = page.getByLabel('Position of the dividing line');
+    const box = await page.locator('.view-canvas').boundingBox();
+    const before = await wipe.inputValue();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width * 0.25, box.y + box.height / 2, {steps: 4});
+    await page.mouse.up();
+    assert.equal(before, '500');
+    assert.ok(Math.abs(Number(await wipe.inputValue()) - 250) < 5, 'the line follows the pointer');
+    await page.mouse.move(box.x + box.width * 0.5, box.y + box.height * 0.5);
+    assert.match(await page.locator('.readout').innerText(), /x \d+, y \d+.*largest difference \d/s);
+    await shot('wipe');
+  }],
+
+  ['zoom shows pixels as squares, and keys work', async () => {
+    await page.locator('.view-canvas').focus();
+    await page.keyboard.press('6');
+    await page.locator('.scale').getByText('16.0×').waitFor();
+    await page.keyboard.press('ArrowRight');
+    await page.keyboard.press('b');
+    assert.equal(await page.getByLabel('Position of the dividing line').inputValue(), '1000');
+    await shot('zoom');
+    await page.keyboard.press('0');
+  }],
+
+  ['the frame slider changes the images and the figures', async () => {
+    const before = await shown();
+    const figures = await page.locator('.results tbody').innerText();
+    await page.getByLabel('Frame', {exact: false}).locator('visible=true').first().focus();
+    await page.locator('.frame input').focus();
+    await page.keyboard.press('ArrowRight');
+    await viewIsDrawn(before);
+    assert.equal(await page.locator('.frame-number').innerText(), '1');
+    assert.notEqual(await page.locator('.results tbody').innerText(), figures);
+  }],
+
+  ['error and shading maps have a legend with numbers and unit', async () => {
+    let before = await shown();
+    await page.getByRole('button', {name: 'Error map'}).click();
+    await viewIsDrawn(before);
+    assert.match(await page.locator('.legend').innerText(), /0.*0\.25/s);
+    assert.equal((await canvasPixel(0.5, 0.5))[3], 255);
+    await shot('error-map');
+    before = await shown();
+    await page.getByRole('button', {name: 'Shading map'}).click();
+    await viewIsDrawn(before);
+    assert.match(await page.locator('.legend').innerText(), /executions/);
+    await shot('shading-map');
+  }],
+
+  ['results download as CSV and JSON', async () => {
+    for (const kind of ['CSV', 'JSON']) {
+      const download = page.waitForEvent('download');
+      await page.getByRole('link', {name: kind, exact: true}).click();
+      assert.match((await download).suggestedFilename(), new RegExp(`results\\.${kind.toLowerCase()}$`));
+    }
+  }],
+
+  ['runs are listed, also in the dark', async () => {
+    await page.getByRole('button', {name: 'light and dark'}).click();
+    await page.getByRole('link', {name: 'Runs', exact: true}).first().click();
+    await page.locator('.pill.done').waitFor();
+    assert.equal(await page.locator('tbody tr').count(), 1);
+    await shot('runs-dark');
+    await page.locator('tbody a').first().click();
+    await page.locator('.view[data-shown]').waitFor();
+    await shot('run-dark');
+  }],
+
+  ['a failed run says why', async () => {
+    if (!service.fakeWorker) return;
+    await page.goto(`${service.url}/#/`);
+    await page.setInputFiles('#file', service.capture('crash.spcap', {title: 'Crashes', frames: 2, fail_at: 2, how: 'exit'}));
+    await page.locator('.uploads').getByText('stored').waitFor();
+    await page.locator('.card').getByText('Crashes').click();
+    await page.getByRole('button', {name: 'Start run'}).click();
+    await page.locator('.pill.failed').waitFor({timeout});
+    assert.match(await page.locator('.progress .problem').innerText(), /exit code 4.*lost the device/);
+    await shot('run-failed');
+  }],
+
+  ['nothing went wrong on the pages meanwhile', async () => {
+    assert.deepEqual(complaints, []);
+  }],
+];
+
+let failed = 0;
+try {
+  await open();
+  for (const [name, test] of tests) {
+    try {
+      await test();
+      console.log(`ok      ${name}`);
+    } catch (error) {
+      ++failed;
+      console.log(`FAILED  ${name}\n${error.stack}`);
+      await shot(`failed-${failed}`).catch(() => {});
+    }
+  }
+} catch (error) {
+  ++failed;
+  console.log(`FAILED  starting\n${error.stack}`);
+} finally {
+  await context?.close();
+  await service.stop();
+  rmSync(profile, {recursive: true, force: true});
+}
+console.log(`${Math.max(0, tests.length - failed)} passed, ${failed} failed`);
+process.exit(failed > 0 ? 1 : 0);

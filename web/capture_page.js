@@ -1,0 +1,42 @@
+// One capture: what it is, its runs, and the form that starts a new one.
+import {get, remove, techniques} from './api.js';
+import {featureTags, thumbnail} from './captures_page.js';
+import {h} from './dom.js';
+import {bytes, count, when} from './format.js';
+import {runForm} from './run_form.js';
+import {runsTable} from './runs_page.js';
+
+export async function capturePage(hash) {
+  const [capture, registry, {runs}] = await Promise.all([
+    get(`/api/captures/${hash}`), techniques(), get(`/api/runs?capture=${hash}&limit=50`),
+  ]);
+  const title = capture.title || capture.name;
+  const deletion = h('button.danger', {type: 'button', onclick: async () => {
+    if (!confirm(`Delete "${title}" with all of its runs?`)) return;
+    try {
+      await remove(`/api/captures/${hash}`);
+      location.hash = '#/';
+    } catch (error) {
+      problem.textContent = error.message;
+    }
+  }}, 'Delete');
+  const problem = h('p.problem', {role: 'alert'});
+  const facts = [
+    ['file', capture.name], ['frames', count(capture.frame_count)], ['triangles, first frame', count(capture.triangles)],
+    ['recorded at', `${capture.width}×${capture.height}`], ['size', bytes(capture.size_bytes)],
+    ['uploaded', when(capture.uploaded_utc)], ['content hash', capture.hash],
+  ];
+  const element = h('section', {},
+    h('p.crumbs', {}, h('a', {href: '#/'}, 'Captures')),
+    h('h1', {}, title),
+    h('div.capture-head', {}, thumbnail(capture),
+      h('div', {}, h('dl.facts.wide', {}, facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))),
+        featureTags(capture.features),
+        h('p.actions', {}, h('a.button', {href: `/api/captures/${hash}/file`, download: capture.name}, 'Download'), deletion),
+        problem)),
+    h('h2', {}, 'New run'),
+    capture.frame_count > 0 ? runForm(capture, registry) : h('p', {}, 'This capture has no frames.'),
+    h('h2', {}, 'Runs'),
+    runs.length > 0 ? runsTable(runs, registry) : h('p.quiet', {}, 'None yet.'));
+  return {title, element};
+}

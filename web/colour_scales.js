@@ -1,0 +1,86 @@
+// The colours of maps and their legends. The same control points as replay/measure/maps.cpp: the maps magma and viridis by
+// Smith and van der Walt (matplotlib, CC0), eighteen evenly spaced colours, linear between them.
+import {h} from './dom.js';
+import {significant} from './format.js';
+
+const points = {
+  magma: ['000004', '090720', '1a1042', '311165', '4a1079', '621980', '792282', '912b81', 'aa337d', 'c23b75', 'd9466b',
+    'ec5860', 'f7725c', 'fc8e64', 'feaa74', 'fec68a', 'fde2a3', 'fcfdbf'],
+  viridis: ['440154', '481769', '472a7a', '433d84', '3d4e8a', '355e8d', '2e6d8e', '297b8e', '23898e', '1f978b', '21a585',
+    '2eb37c', '46c06f', '65cb5e', '89d548', 'b0dd2f', 'd8e219', 'fde725'],
+};
+
+const rgb = (hex) => [0, 2, 4].map((at) => parseInt(hex.slice(at, at + 2), 16));
+
+/** Colour of `t` in 0..1 as [r, g, b] in 0..255. */
+export function colourAt(map, t) {
+  const colours = points[map];
+  const at = Math.min(Math.max(t, 0), 1) * (colours.length - 1);
+  const below = Math.min(Math.floor(at), colours.length - 2);
+  const [low, high] = [rgb(colours[below]), rgb(colours[below + 1])];
+  return low.map((value, i) => value + (at - below) * (high[i] - value));
+}
+
+/** The value a map's pixel shows, by the nearest colour of its scale; NaN for a colour that is not of the scale. */
+export function valueOf(scale, pixel) {
+  let best = 0;
+  let distance = Infinity;
+  const steps = scale.discrete ? scale.maximum : 512;
+  for (let i = 0; i <= steps; ++i) {
+    const colour = colourAt(scale.map, i / steps);
+    const d = colour.reduce((sum, value, c) => sum + (value - pixel[c]) ** 2, 0);
+    if (d < distance) [best, distance] = [i, d];
+  }
+  return distance > 300 ? NaN : (best / steps) * scale.maximum;
+}
+
+const known = {
+  error: {title: 'Error', description: 'largest absolute difference of the sRGB channels to the reference', unit: '', map: 'magma', maximum: 0.25},
+  shading: {title: 'Shading', description: 'lighting executions per pixel', unit: 'executions', map: 'viridis', maximum: 0, discrete: true},
+};
+
+/** The scale of the map `role` of a result, or null when the role is no map. `technique` is the registry's entry. */
+export function scaleOf(role, technique, result) {
+  const declared = technique?.maps?.find((map) => map.name === role);
+  const base = known[role] ?? (declared && {map: 'viridis', discrete: declared.unit !== '' && declared.maximum <= 64, description: declared.title});
+  if (!base) return null;
+  const scale = {...base, title: base.title ?? declared?.title ?? role, unit: declared?.unit || base.unit || ''};
+  if (declared && role !== 'error') scale.maximum = declared.maximum;
+  if (!scale.maximum) scale.maximum = Math.max(1, result.samples);
+  return scale;
+}
+
+/** A bar of the scale's colours with numbers and unit. */
+export function legend(scale) {
+  const bar = h('div.legend-bar', {});
+  if (scale.discrete && scale.maximum <= 64) {
+    const stops = [];
+    for (let i = 0; i <= scale.maximum; ++i) {
+      const colour = css(colourAt(scale.map, i / scale.maximum));
+      stops.push(`${colour} ${(100 * i) / (scale.maximum + 1)}% ${(100 * (i + 1)) / (scale.maximum + 1)}%`);
+    }
+    bar.style.background = `linear-gradient(to right, ${stops.join(', ')})`;
+  } else {
+    bar.style.background = `linear-gradient(to right, ${points[scale.map].map((hex) => `#${hex}`).join(', ')})`;
+  }
+  return h('figure.legend', {'aria-label': `Legend: ${scale.description}`},
+    h('figcaption', {}, scale.description, scale.unit && ` (${scale.unit})`),
+    bar, h('div.legend-ticks', {class: scale.discrete ? 'discrete' : ''}, ticks(scale).map(({value, share}, i, all) => {
+      const last = i === all.length - 1;
+      const tick = h('span', {}, `${last ? '≥ ' : ''}${significant(value, value % 1 ? 3 : 4).replace(/\.?0+$/, '') || '0'}`);
+      tick.style.left = `${100 * share}%`;
+      return tick;
+    })));
+}
+
+function ticks({maximum, discrete}) {
+  if (!discrete || maximum > 64) return [0, 0.25, 0.5, 0.75, 1].map((share) => ({value: share * maximum, share}));
+  const step = Math.max(1, Math.ceil(maximum / 8));
+  const values = [];
+  for (let value = 0; value < maximum; value += step) values.push(value);
+  if (maximum - values.at(-1) < step / 2) values.pop();
+  values.push(maximum);
+  return values.map((value) => ({value, share: (value + 0.5) / (maximum + 1)}));
+}
+
+const css = (colour) => `rgb(${colour.map(Math.round).join(' ')})`;
