@@ -17,7 +17,8 @@ test_packages=(clang-format clang-tidy vulkan-validationlayers)
 say() { printf 'packages: %s\n' "$*"; }
 fail() { printf 'subpixel: packages: %s\n' "$*" >&2; exit 1; }
 
-installed_version() { dpkg-query -W -f='${db:Status-Abbrev}${Version}' "$1" 2>/dev/null | sed -n 's/^ii *//p'; }
+# Empty when it is not installed.
+installed_version() { { dpkg-query -W -f='${db:Status-Abbrev}${Version}' "$1" 2>/dev/null || true; } | sed -n 's/^ii *//p'; }
 
 as_root() {
   if [ "$(id -u)" = 0 ]; then "$@"
@@ -141,7 +142,9 @@ settle_mesa() {
       # One failed attempt is enough, unless backports are asked for by name.
       if [ -n "$installed" ] && [ -z "${SUBPIXEL_MESA:-}" ] && [ -e "$unreachable_note" ]; then return; fi
       say "Mesa: looking for the backports suite"
-      if add_backports && apt_install -t "$backports_suite" mesa-vulkan-drivers; then
+      # By name/suite, which takes from backports what Mesa needs and nothing more. With -t every dependency that is
+      # newer there would come along, and the release's packages that want their own versions could not be installed.
+      if add_backports && apt_install --no-remove "mesa-vulkan-drivers/$backports_suite"; then
         rm -f "$unreachable_note"
       else
         say "Mesa: backports cannot be reached; going on with the release's"

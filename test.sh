@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Installs what the tests need, builds, checks the sources' form and runs every test.
+#   SUBPIXEL_TIDY_SECONDS=N   time for clang-tidy (default 240; 0 leaves it out, "all" checks every file)
+set -euo pipefail
+cd "$(dirname "$0")"
+
+step() { printf '\n== %s\n' "$*"; }
+
+step "1/4 packages"
+scripts/install.sh --tests
+
+step "2/4 build"
+[ -e build/release/build.ninja ] || cmake --preset release
+cmake --build --preset release
+
+step "3/4 form of the sources"
+scripts/check_sources.sh
+
+step "4/4 tests"
+ctest --preset release -j2
