@@ -1,0 +1,24 @@
+// What `subpixel info` prints of a capture, and the service lists.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "capture_format/capture.hpp"
+
+namespace subpixel::capture {
+
+// What of shading and geometry the capture uses, in words: "textures", "alpha test", "normal maps", "emissive",
+// "metal", "two-sided", "blending", "instancing", "shadows". Only materials that some draw uses count.
+std::vector<std::string> used_features(const Capture& capture);
+
+// {title, application, tool, licence, metres_per_unit, hash, file_bytes, frame_count, width, height, triangles, draws,
+//  point_lights, buffers: {count, bytes}, textures: {count, bytes}, materials, features: [...],
+//  frames: [{name, time_s, width, height, draws, triangles, point_lights}]}
+// width and height are the first frame's; triangles, draws and point_lights those of the frame that has most of each.
+// `hash` is the content hash of the file, `file_bytes` its size.
+nlohmann::json summarize(const Capture& capture, const std::string& hash, std::uint64_t file_bytes);
+
+}  // namespace subpixel::capture

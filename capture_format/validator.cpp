@@ -1,0 +1,147 @@
+#include "capture_format/validator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
+#include <map>
+#include <tuple>
+
+#include "capture_format/checks.hpp"
+#include "capture_format/limits.hpp"
+#include "capture_format/streams.hpp"
+
+namespace subpixel::capture {
+namespace {
+
+constexpr std::size_t kMaxProblems = 1000;
+
+bool is_finite(const Matrix4& matrix) {
+  return std::all_of(matrix.begin(), matrix.end(), [](float v) { return std::isfinite(v); });
+}
+
+bool is_singular(const Matrix4& matrix) {
+  return glm::determinant(glm::dmat4(glm::make_mat4(matrix.data()))) == 0;
+}
+
+class Validation {
+ public:
+  explicit Validation(const Capture& capture) : capture_(capture) {}
+
+  std::vector<Problem> run() {
+    check_resources();
+    for (std::size_t f = 0; f < capture_.frames.size(); ++f) check_one_frame(f);
+    if (capture_.frames.empty()) note("frames", "there is none");
+    return std::move(problems_);
+  }
+
+ private:
+  void add(Problem::Severity severity, const std::string& where, const std::string& why) {
+    if (problems_.size() + 1 == kMaxProblems) problems_.push_back({severity, "", "further problems are not listed"});
+    if (problems_.size() < kMaxProblems) problems_.push_back({severity, where, why});
+  }
+  void error(const std::string& where, const std::string& why) { add(Problem::Severity::error, where, why); }
+  void note(const std::string& where, const std::string& why) { add(Problem::Severity::note, where, why); }
+
+  Report errors_in(const std::string& part) {
+    return [this, part](std::string_view field, const std::string& why) {
+      error(part + ", field " + std::string(field), why);
+    };
+  }
+
+  void check_resources() {
+    check_metadata(capture_.metadata, errors_in("metadata"));
+    check_count("buffers", capture_.buffers.size(), kMaxBuffers);
+    check_count("textures", capture_.textures.size(), kMaxTextures);
+    check_count("materials", capture_.materials.size(), kMaxMaterials);
+    check_count("frames", capture_.frames.size(), kMaxFrames);
+    for (std::size_t i = 0; i < capture_.buffers.size(); ++i) {
+      check_buffer(capture_.buffers[i], errors_in("buffer " + std::to_string(i)));
+    }
+    for (std::size_t i = 0; i < capture_.textures.size(); ++i) {
+      check_texture(capture_.textures[i], errors_in("texture " + std::to_string(i)));
+    }
+    for (std::size_t i = 0; i < capture_.materials.size(); ++i) {
+      check_material(capture_.materials[i], capture_.textures.size(), errors_in("material " + std::to_string(i)));
+    }
+  }
+
+  void check_count(const std::string& what, std::size_t count, std::size_t most) {
+    if (count > most) error(what, std::to_string(count) + " are more than " + std::to_string(most));
+  }
+
+  void check_one_frame(std::size_t number) {
+    const Frame& frame = capture_.frames[number];
+    const std::string part = "frame " + std::to_string(number);
+    check_frame(frame, errors_in(part));
+    check_draw_list(frame, errors_in(part));
+    if (is_finite(frame.view) && is_singular(frame.view)) error(part + ", field view", "singular");
+    if (is_finite(frame.projection) && is_singular(frame.projection)) error(part + ", field projection", "singular");
+    if (frame.draws.empty()) note(part, "no draw calls");
+    for (std::size_t d = 0; d < frame.draws.size(); ++d) {
+      const Draw& draw = frame.draws[d];
+      check_one_draw(draw, part + ", draw " + std::to_string(d) + " (" + draw.name + ")");
+    }
+  }
+
+  void check_one_draw(const Draw& draw, const std::string& part) {
+    bool is_sound = true;
+    const Report report = [&](std::string_view field, const std::string& why) {
+      is_sound = false;
+      error(part + ", field " + std::string(field), why);
+    };
+    check_draw(capture_, draw, report);
+    if (!is_sound) return;  // nothing below may look at ranges that are not there
+    indices_.check(capture_, draw, report);
+    if (!is_finite(draw.transform)) error(part + ", field transform", "not finite");
+    if (triangle_count(draw) == 0) note(part, "no triangles");
+    check_instances(draw, part);
+    note_stream(
+        draw, draw.position, part + ", field position",
+        [](const float* v) { return !(std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2])); },
+        " of its vertices are not finite");
+    note_stream(
+        draw, draw.normal, part + ", field normal",
+        [](const float* v) { return !(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > 0); },
+        " of its normals have no direction");
+  }
+
+  void check_instances(const Draw& draw, const std::string& part) {
+    if (draw.instance_buffer == kNone) return;
+    Draw untransformed = draw;
+    untransformed.transform = Draw{}.transform;
+    std::size_t wrong = 0;
+    for (const Matrix4& matrix : world_transforms(capture_, untransformed)) wrong += is_finite(matrix) ? 0 : 1;
+    if (wrong > 0) error(part + ", field instance_buffer", std::to_string(wrong) + " of its matrices are not finite");
+  }
+
+  // Frames repeat their draws, so each stream is looked at once.
+  template <typename Predicate>
+  void note_stream(const Draw& draw, const VertexStream& stream, const std::string& where, Predicate is_odd,
+                   const char* what) {
+    if (stream.buffer == kNone) return;
+    const auto [known, is_new] = odd_counts_.try_emplace(
+        {stream.buffer, stream.format, stream.offset, stream.stride, draw.vertex_count, what}, 0u);
+    if (is_new) {
+      const std::vector<float> values = decode_stream(capture_, stream, draw.vertex_count, 3);
+      for (std::size_t i = 0; i < values.size(); i += 3) known->second += is_odd(&values[i]) ? 1 : 0;
+    }
+    if (known->second > 0) note(where, std::to_string(known->second) + what);
+  }
+
+  using StreamKey = std::tuple<std::uint32_t, VertexFormat, std::uint64_t, std::uint32_t, std::uint32_t, std::string>;
+
+  const Capture& capture_;
+  IndexChecker indices_;
+  std::map<StreamKey, std::size_t> odd_counts_;
+  std::vector<Problem> problems_;
+};
+
+}  // namespace
+
+std::vector<Problem> validate_capture(const Capture& capture) {
+  return Validation(capture).run();
+}
+
+}  // namespace subpixel::capture
