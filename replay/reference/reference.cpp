@@ -1,0 +1,154 @@
+#include "replay/reference/reference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "capture_format/error.hpp"
+#include "replay/reference/texture_table.hpp"
+#include "replay/reference/triangle_list.hpp"
+#include "replay/reference/turns.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+struct ReferencePush {
+  VkDeviceAddress corners, triangles, indices, normals, uvs, tangents, instances, texels, sums, compensation,
+      display_sums;
+};
+
+constexpr std::uint32_t kGroupSide = 8;  // of the compute passes' workgroups
+
+std::uint32_t groups(std::uint32_t pixels) { return (pixels + kGroupSide - 1) / kGroupSide; }
+
+template <typename T>
+gpu::Buffer filled(gpu::Device& device, const char* name, const std::vector<T>& values) {
+  gpu::Buffer buffer(device, name, values.size() * sizeof(T));
+  std::copy(values.begin(), values.end(), buffer.as<T>().begin());
+  return buffer;
+}
+
+Image image_of(const gpu::Buffer& pixels, std::uint32_t width, std::uint32_t height, Encoding encoding) {
+  Image image(width, height, 3, encoding);
+  const auto from = pixels.as<float>();
+  for (std::size_t i = 0; i < std::size_t{width} * height; ++i)
+    std::copy_n(&from[4 * i], 3, &image.pixels[3 * i]);
+  return image;
+}
+
+// What one reference is made with; the passes refer to it.
+struct Work {
+  std::vector<TriangleRun> runs;
+  gpu::Buffer corners, triangles, turn, sums, compensation, display_sums;
+  TextureTable textures;
+};
+
+gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, gpu::Image& depth,
+                                const ReferencePush& push) {
+  gpu::RasterPass pass;
+  pass.name = "reference visibility";
+  pass.pipeline.vertex = "reference/visibility.vert";
+  pass.pipeline.fragment = "reference/visibility.frag:SOLID";
+  pass.pipeline.constants = {{1, scene.features().bits}};
+  pass.pipeline.targets = {{VK_FORMAT_R32_UINT}, VK_FORMAT_D32_SFLOAT, VK_SAMPLE_COUNT_4_BIT, false, true};
+  pass.pipeline.depth_compare = VK_COMPARE_OP_GREATER;  // of equal depths the first stays
+  pass.pipeline.depth_write = true;
+  pass.colours = {seen};
+  pass.depth = &depth;
+  pass.clear_colours = {{0, 0, 0, 0}};
+  pass.clear_depth = 0;
+  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, work.turn), gpu::reads(1, scene.materials),
+                   gpu::reads(2, work.textures.levels), gpu::reads(3, work.textures.materials)};
+  pass.by_address = {&work.corners, &work.triangles, &scene.indices, &scene.uvs, &work.textures.texels};
+  pass.push = gpu::PushConstants(push);
+  gpu::RasterDescription solid = pass.pipeline, tested = pass.pipeline;
+  tested.fragment = "reference/visibility.frag:TESTED";
+  pass.draws = [&work, solid, tested](gpu::DrawEncoder& encoder) {
+    for (const auto& run : work.runs) {
+      if (run.count == 0) continue;
+      encoder.pipeline(run.tested ? tested : solid);
+      encoder.draw(3 * run.count, 1, 3 * run.first);
+    }
+  };
+  return pass;
+}
+
+gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scene, Work& work,
+                            const ReferenceOptions& options, const ReferencePush& push) {
+  gpu::ComputePass pass;
+  pass.name = name;
+  pass.shader = shader;
+  pass.constants = {{1, scene.features().bits}, {2, options.shading_model}, {3, options.tone_map_samples ? 1u : 0u}};
+  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, work.turn), gpu::reads(1, scene.materials),
+                   gpu::reads(2, work.textures.levels), gpu::reads(3, work.textures.materials)};
+  pass.by_address = {&work.corners,   &work.triangles,   &scene.indices,        &scene.normals,  &scene.uvs,
+                     &scene.tangents, &scene.instances,  &work.textures.texels, &work.sums,      &work.compensation,
+                     &work.display_sums};
+  pass.push = gpu::PushConstants(push);
+  const auto& size = scene.constants().viewport;
+  pass.groups = {groups(static_cast<std::uint32_t>(size.x)), groups(static_cast<std::uint32_t>(size.y)), 1};
+  return pass;
+}
+
+}  // namespace
+
+ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
+                                const ReferenceProgress& progress) {
+  if (options.samples < 4 || options.samples > kMostReferenceSamples || options.samples % 4 != 0)
+    throw UsageError("reference samples", fmt::format("{} is not a multiple of 4 from 4 to {}", options.samples,
+                                                      kMostReferenceSamples), "samples");
+  const auto width = static_cast<std::uint32_t>(scene.constants().viewport.x);
+  const auto height = static_cast<std::uint32_t>(scene.constants().viewport.y);
+  const std::uint64_t pixels = std::uint64_t{width} * height;
+
+  Work work;
+  {
+    const TriangleList list = visible_triangles(scene);
+    work.runs = list.runs;
+    work.corners = filled(device, "reference corners", list.corners);
+    work.triangles = filled(device, "reference triangles", list.triangles);
+  }
+  work.textures = make_texture_table(device, scene.capture());
+  work.turn = gpu::Buffer(device, "reference turn", sizeof(gpu_types::TurnConstants));
+  work.sums = gpu::Buffer(device, "reference sums", pixels * 16);
+  work.compensation = gpu::Buffer(device, "reference compensation", pixels * 16);
+  work.display_sums = gpu::Buffer(device, "reference display sums", options.tone_map_samples ? pixels * 16 : 0);
+  const ReferencePush push{work.corners.address(),       work.triangles.address(),    scene.indices.address(),
+                           scene.normals.address(),      scene.uvs.address(),         scene.tangents.address(),
+                           scene.instances.address(),    work.textures.texels.address(), work.sums.address(),
+                           work.compensation.address(),  work.display_sums.address()};
+
+  gpu::PassRecorder turns(device), finish(device);
+  gpu::ImageDescription target;
+  target.width = width + 1;
+  target.height = height + 1;
+  target.samples = VK_SAMPLE_COUNT_4_BIT;
+  target.name = "reference triangles seen";
+  target.format = VK_FORMAT_R32_UINT;
+  target.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+  gpu::Image& seen = turns.image(target);
+  target.name = "reference depth";
+  target.format = VK_FORMAT_D32_SFLOAT;
+  target.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  gpu::Image& depth = turns.image(target);
+
+  turns.raster(visibility_pass(scene, work, seen, depth, push));
+  gpu::ComputePass accumulate =
+      pixel_pass("reference shading", "reference/accumulate.comp", scene, work, options, push);
+  accumulate.bindings.push_back(gpu::samples(0, seen));
+  accumulate.bindings.push_back(gpu::samples(7, scene.shadow_map, &scene.shadow_sampler));
+  turns.compute(std::move(accumulate));
+  finish.compute(pixel_pass("reference mean", "reference/finish.comp", scene, work, options, push));
+
+  const auto constants = turn_constants(options.samples / 4, width, height);
+  for (std::uint32_t i = 0; i < constants.size(); ++i) {
+    work.turn.as<gpu_types::TurnConstants>()[0] = constants[i];
+    turns.run();
+    if (progress) progress(i + 1, static_cast<std::uint32_t>(constants.size()));
+  }
+  finish.run();
+  return {image_of(work.sums, width, height, Encoding::linear),
+          image_of(work.compensation, width, height, Encoding::display)};
+}
+
+}  // namespace subpixel::replay

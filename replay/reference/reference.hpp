@@ -1,0 +1,35 @@
+// The ground truth: the scene's current frame by the device's own rasteriser, many samples a pixel.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "replay/measure/image.hpp"
+#include "replay/scene/gpu_scene.hpp"
+
+namespace subpixel::replay {
+
+inline constexpr std::uint32_t kDefaultReferenceSamples = 512, kMostReferenceSamples = 4096;
+
+struct ReferenceOptions {
+  std::uint32_t samples = kDefaultReferenceSamples;  // visibility samples a pixel: 4 to 4096, a multiple of 4
+  std::uint32_t shading_model = 0;                   // 0 GGX, 1 Blinn-Phong: specialization constant 2
+  bool tone_map_samples = false;  // the display image is the mean of tone-mapped samples, not the tone-mapped mean
+};
+
+struct ReferenceImage {
+  Image linear;   // 3 channels, mean radiance
+  Image display;  // 3 channels, [0, 1]
+};
+
+// Called after each turn with turns done and turns in all (samples / 4). May throw to stop.
+using ReferenceProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
+
+// Each turn draws the frame with 4 samples a pixel and shades each triangle a pixel's samples see once, so a pixel has at
+// least samples / 4 shading samples. Samples and shading points of all turns are spread evenly over the pixel's square:
+// the result tends to the box-filtered image. Texture gradients are analytic, of one pixel, as in the techniques.
+// Throws UsageError (options out of range), InputError and DeviceError.
+ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
+                                const ReferenceProgress& progress = {});
+
+}  // namespace subpixel::replay

@@ -1,0 +1,94 @@
+// Computes: one turn's colour of each pixel. Each triangle that some of the pixel's four samples see is shaded once, at the
+// place of one of them (another one each turn, so that over all turns shading points cover the pixel evenly).
+// Reads: the triangle seen by each sample, geometry, materials, textures, lights, shadow map.
+// Writes: adds to the sums, with Kahan's compensation.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+layout(local_size_x = 8, local_size_y = 8) in;
+#include "include/lights.glsl"
+#include "include/material_factors.glsl"
+#include "include/tone.glsl"
+#include "reference/textures.glsl"
+
+layout(constant_id = 3) const uint TONE_MAP_SAMPLES = 0u;  // 1: also sum the display values of shading samples
+layout(set = 0, binding = 12) uniform usampler2DMS visibility;
+
+vec3 normal_of(ReferenceTriangle t, vec3 local) {
+  InstanceRecord instance = instances.at[t.source.y];
+  vec3 normal = vec3(dot(instance.normal_row[0].xyz, local), dot(instance.normal_row[1].xyz, local),
+                     dot(instance.normal_row[2].xyz, local));
+  normal *= inversesqrt(max(dot(normal, normal), 1e-30));
+  return (t.source.w & REFERENCE_BACK_FACE) != 0u ? -normal : normal;
+}
+
+vec4 tangent_of(ReferenceTriangle t, uvec3 vertex, vec3 weight) {
+  vec4 local = weight.x * tangents.at[vertex.x] + weight.y * tangents.at[vertex.y] + weight.z * tangents.at[vertex.z];
+  InstanceRecord instance = instances.at[t.source.y];
+  vec4 tangent = vec4(dot(instance.world_row[0].xyz, local.xyz), dot(instance.world_row[1].xyz, local.xyz),
+                      dot(instance.world_row[2].xyz, local.xyz), sign(local.w) * instance.normal_row[0].w);
+  return (t.source.w & REFERENCE_BACK_FACE) != 0u ? -tangent : tangent;
+}
+
+// The radiance a triangle sends from `point`, pixels.
+vec3 shade_at(uint number, vec2 point) {
+  ReferenceTriangle t = triangles.at[number];
+  uvec3 vertex = vertices_of(t);
+  Weights w = weights_at(number, point);
+  vec3 local_normal = w.value.x * normals.at[vertex.x] + w.value.y * normals.at[vertex.y] +
+                      w.value.z * normals.at[vertex.z];
+  MaterialTexels texel = MaterialTexels(vec4(1.0), vec2(1.0), vec3(1.0), vec3(1.0));
+  const uint kTextured =
+      FEATURE_BASE_TEXTURE | FEATURE_ROUGHNESS_TEXTURE | FEATURE_NORMAL_MAP | FEATURE_EMISSIVE_TEXTURE;
+  if (has_feature(kTextured)) {
+    Coordinates c = coordinates_of(vertex, w);
+    uvec4 numbers = material_textures[t.source.z];
+    if (has_feature(FEATURE_BASE_TEXTURE)) texel.base_colour = texture_at(numbers.x, c);
+    if (has_feature(FEATURE_ROUGHNESS_TEXTURE)) texel.roughness_metallic = texture_at(numbers.y, c).gb;
+    if (has_feature(FEATURE_NORMAL_MAP)) texel.normal = texture_at(numbers.z, c).rgb;
+    if (has_feature(FEATURE_EMISSIVE_TEXTURE)) texel.emissive = texture_at(numbers.w, c).rgb;
+  }
+  vec4 tangent = has_feature(FEATURE_NORMAL_MAP) ? tangent_of(t, vertex, w.value) : vec4(0.0);
+  Surface s;
+  s.position = world_position(point, w.depth);
+  apply_material(materials[t.source.z], texel, normal_of(t, local_normal), tangent, s);
+  vec3 to_eye = frame.eye.xyz - s.position;
+  return shade(s, to_eye * inversesqrt(max(dot(to_eye, to_eye), 1e-30)));
+}
+
+void main() {
+  uvec2 pixel = gl_GlobalInvocationID.xy;
+  uvec2 size = uvec2(frame.viewport.xy);
+  if (pixel.x >= size.x || pixel.y >= size.y) return;
+  uvec4 seen;
+  for (int s = 0; s < 4; ++s) {
+    ivec2 neighbour = ivec2(turn.texel.x >> (2 * s) & 1u, turn.texel.x >> (2 * s + 1) & 1u);
+    seen[s] = texelFetch(visibility, ivec2(pixel) + neighbour, s).r;
+  }
+  uint remaining = (seen.x != 0u ? 1u : 0u) | (seen.y != 0u ? 2u : 0u) | (seen.z != 0u ? 4u : 0u) |
+                   (seen.w != 0u ? 8u : 0u);
+  float sky_samples = float(4 - bitCount(remaining));
+  vec3 radiance = frame.sky.rgb * sky_samples, display = vec3(0.0);
+  if (TONE_MAP_SAMPLES != 0u) display = display_from_radiance(frame.sky.rgb) * sky_samples;
+  uint start = turn.number.x & 3u;
+  for (int i = 0; i < 4 && remaining != 0u; ++i) {
+    uint first = (uint(findLSB((remaining | remaining << 4) >> start)) + start) & 3u;
+    uint number = first < 2u ? (first == 0u ? seen.x : seen.y) : (first == 2u ? seen.z : seen.w);
+    vec2 offset = first < 2u ? (first == 0u ? turn.offset01.xy : turn.offset01.zw)
+                             : (first == 2u ? turn.offset23.xy : turn.offset23.zw);
+    uint same = remaining & ((seen.x == number ? 1u : 0u) | (seen.y == number ? 2u : 0u) |
+                             (seen.z == number ? 4u : 0u) | (seen.w == number ? 8u : 0u));
+    remaining &= ~same;
+    float count = float(bitCount(same));
+    vec3 shaded = shade_at(number - 1u, vec2(pixel) + offset);
+    radiance += count * shaded;
+    if (TONE_MAP_SAMPLES != 0u) display += count * display_from_radiance(shaded);
+  }
+  uint place = pixel.y * size.x + pixel.x;
+  vec3 sum = sums.at[place].rgb;
+  precise vec3 term = radiance * 0.25 - compensation.at[place].rgb;
+  precise vec3 next = sum + term;
+  precise vec3 lost = (next - sum) - term;
+  sums.at[place] = vec4(next, 0.0);
+  compensation.at[place] = vec4(lost, 0.0);
+  if (TONE_MAP_SAMPLES != 0u) display_sums.at[place] += vec4(display * 0.25, 0.0);
+}

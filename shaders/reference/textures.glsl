@@ -1,0 +1,48 @@
+// Trilinear texture reads from a buffer: the reference shades all materials in one pass, and which textures a pixel
+// needs is known only there, while descriptors that differ from pixel to pixel need a feature not every driver has.
+// Reads: texel words and level records. Same filter, level of detail and wrap as textureGrad with the scene's sampler.
+#ifndef SUBPIXEL_REFERENCE_TEXTURES_GLSL
+#define SUBPIXEL_REFERENCE_TEXTURES_GLSL
+
+#include "reference/triangles.glsl"
+
+// sRGB bytes to linear: the exact segment near black, else a least-squares fit over the byte values, within 2e-5.
+vec3 srgb_decode(vec3 s) {
+  vec3 curved = ((((((-0.0596802111 * s + 0.239878153) * s - 0.446931621) * s + 0.721867228) * s + 0.510812888) * s +
+                  0.033113666) * s + 0.000920098083);
+  return mix(curved, s * (1.0 / 12.92), lessThan(s, vec3(0.0405)));
+}
+
+vec4 texel_of(uvec4 place, uint x, uint y) {
+  vec4 value = unpackUnorm4x8(texels.at[place.x + y * place.y + x]);
+  return vec4(place.w != 0u ? srgb_decode(value.rgb) : value.rgb, value.a);
+}
+
+vec4 bilinear(uint level, vec2 uv) {
+  uvec4 place = levels[level].place;
+  vec2 size = vec2(place.yz);
+  vec2 at = (uv - floor(uv)) * size - 0.5;
+  vec2 corner = floor(at), f = at - corner;
+  uvec2 last = place.yz - 1u;
+  uvec2 low = uvec2(corner.x < 0.0 ? last.x : min(uint(corner.x), last.x),
+                    corner.y < 0.0 ? last.y : min(uint(corner.y), last.y));
+  uvec2 high = uvec2(low.x == last.x ? 0u : low.x + 1u, low.y == last.y ? 0u : low.y + 1u);
+  vec4 top = mix(texel_of(place, low.x, low.y), texel_of(place, high.x, low.y), f.x);
+  vec4 bottom = mix(texel_of(place, low.x, high.y), texel_of(place, high.x, high.y), f.x);
+  return mix(top, bottom, f.y);
+}
+
+// White without a texture.
+vec4 texture_at(uint reference, Coordinates c) {
+  bool present = reference != REFERENCE_NO_TEXTURE;
+  uint first = present ? reference & 0xffffffu : 0u, count = present ? reference >> 24 : 1u;
+  vec2 size = vec2(levels[first].place.yz);
+  vec2 dx = c.dx * size, dy = c.dy * size;
+  float rho_squared = clamp(max(dot(dx, dx), dot(dy, dy)), 1e-12, 1e12);
+  float lod = clamp(0.5 * log2(rho_squared), 0.0, float(count - 1u));
+  uint level = uint(lod);
+  vec4 fine = bilinear(first + level, c.uv), coarse = bilinear(first + min(level + 1u, count - 1u), c.uv);
+  return present ? mix(fine, coarse, lod - float(level)) : vec4(1.0);
+}
+
+#endif

@@ -1,0 +1,14 @@
+// Computes: a corner's clip position in this turn's shifted image, and its triangle's number.
+// Reads: corners, turn constants.
+// Writes: gl_Position, the number plus 1, the same on all three corners.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "reference/triangles.glsl"
+
+layout(location = 0) flat out uint triangle;
+
+void main() {
+  vec4 clip = corners.at[gl_VertexIndex];
+  gl_Position = vec4(clip.xy * turn.clip.xy + clip.w * turn.clip.zw, clip.zw);
+  triangle = uint(gl_VertexIndex) / 3u + 1u;
+}
