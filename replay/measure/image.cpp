@@ -13,7 +13,7 @@
 namespace subpixel::replay {
 namespace {
 
-std::vector<std::uint8_t> encode(const std::string& extension, const OIIO::ImageSpec& spec, OIIO::TypeDesc type,
+std::vector<std::uint8_t> encode(const std::string& extension, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type,
                                  const void* pixels) {
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(extension);
   if (!output) throw InputError("image", "this OpenImageIO cannot write " + extension, OIIO::geterror());
@@ -28,11 +28,14 @@ std::vector<std::uint8_t> encode(const std::string& extension, const OIIO::Image
 
 std::uint8_t to_byte(float value) {
   if (!(value > 0)) return 0;  // NaN too
-  return static_cast<std::uint8_t>(std::min(value, 1.0F) * 255.0F + 0.5F);
+  const float scaled = std::min(value, 1.0F) * 255.0F;
+  const auto floor = static_cast<std::uint8_t>(scaled);
+  // Half up; std::lround would be a call for each of a frame's millions of values.
+  return static_cast<std::uint8_t>(floor + (scaled - static_cast<float>(floor) >= 0.5F ? 1 : 0));
 }
 
 // Only what a file of the given image needs; no date, no program version: equal images are equal bytes.
-OIIO::ImageSpec spec_for(const Image& image, OIIO::TypeDesc type) {
+OIIO::ImageSpec spec_for(const Image& image, const OIIO::TypeDesc& type) {
   OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), static_cast<int>(image.channels),
                        type);
   // Alpha is stored as it is, without multiplying or dividing colour by it.

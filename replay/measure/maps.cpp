@@ -29,7 +29,7 @@ Rgb unpack(std::uint32_t colour) {
 }
 
 std::string hex(const Rgb& colour) {
-  const auto byte = [](float value) { return static_cast<int>(std::clamp(value, 0.0F, 1.0F) * 255 + 0.5F); };
+  const auto byte = [](float value) { return std::lround(std::clamp(value, 0.0F, 1.0F) * 255); };
   return fmt::format("#{:02x}{:02x}{:02x}", byte(colour[0]), byte(colour[1]), byte(colour[2]));
 }
 
@@ -40,6 +40,7 @@ void put(Image& image, std::size_t pixel, const Rgb& colour) {
 // A texture of the map, so that a pixel costs one look-up.
 std::vector<Rgb> colour_table(ColourMap map) {
   std::vector<Rgb> table;
+  table.reserve(1024);
   for (int i = 0; i < 1024; ++i) table.push_back(colour_at(map, static_cast<float>(i) / 1023));
   return table;
 }
@@ -83,11 +84,11 @@ ColouredMap colour_values(const Image& values, double maximum, ColourMap map, st
   }
   const std::vector<Rgb> table = colour_table(map);
   const auto scale = static_cast<float>(1 / maximum);
-  const auto last = static_cast<float>(table.size() - 1);
+  const auto last = static_cast<float>(table.size()) - 0.5F;
   for (std::size_t i = 0; i < values.pixels.size(); ++i) {
     const float t = values.pixels[i] * scale;
     const float inside = t > 0 ? std::min(t, 1.0F) : 0.0F;
-    put(out.image, i, table[static_cast<std::size_t>(inside * last + 0.5F)]);
+    put(out.image, i, table[static_cast<std::size_t>(inside * last)]);
   }
   return out;
 }

@@ -156,8 +156,8 @@ std::vector<TechniqueRequest> parse_request(std::string_view text, std::size_t p
 
 ParameterValues check_parameters(std::string_view technique, const Parameters& declared, const ParameterValues& given) {
   for (const auto& [name, value] : given) {
-    const bool known =
-        std::ranges::any_of(declared, [&](const Parameter& parameter) { return parameter.name == name; });
+    const bool known = std::ranges::any_of(
+        declared, [&given_name = name](const Parameter& parameter) { return parameter.name == given_name; });
     if (!known) {
       throw UsageError(fmt::format("technique {}", technique),
                        fmt::format("unknown parameter {} (valid: {})", name,
