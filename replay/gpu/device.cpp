@@ -290,6 +290,7 @@ double Device::run(const std::function<void(VkCommandBuffer)>& record) {
     const std::string errors = std::exchange(validation_errors_, {});
     throw DeviceError("device", "validation: " + errors, "vkQueueSubmit");
   }
+  total_ms_ += wall_ms;
   if (info_.is_cpu) return wall_ms;
   std::uint64_t ticks[2] = {};
   check(vkGetQueryPoolResults(device_, timestamps_, 0, 2, sizeof ticks, ticks, sizeof ticks[0],

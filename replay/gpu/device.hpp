@@ -41,6 +41,8 @@ class Device {
   // Records with `record`, submits and waits. Returns the milliseconds the device took: the wall clock on a CPU
   // device, where the queue's work runs on this machine's cores; timestamps elsewhere. Throws DeviceError.
   double run(const std::function<void(VkCommandBuffer)>& record);
+  // Milliseconds of all runs so far.
+  double total_ms() const { return total_ms_; }
 
   // A memory type with all of `required`, preferring `preferred`. Throws DeviceError.
   std::uint32_t memory_type(std::uint32_t allowed_types, VkMemoryPropertyFlags required,
@@ -65,6 +67,7 @@ class Device {
   VkQueryPool timestamps_ = VK_NULL_HANDLE;
   float timestamp_period_ns_ = 1;
   VkPhysicalDeviceMemoryProperties memory_{};
+  double total_ms_ = 0;
   DeviceInfo info_;
   std::unique_ptr<PipelineCache> pipelines_;
   std::string validation_errors_;

@@ -32,6 +32,10 @@ void DrawEncoder::draw(std::uint32_t vertices, std::uint32_t instances, std::uin
                        std::uint32_t first_instance) {
   vkCmdDraw(commands_, vertices, instances, first_vertex, first_instance);
 }
+void DrawEncoder::draw_indexed(std::uint32_t indices, std::uint32_t instances, std::uint32_t first_index,
+                               std::uint32_t first_instance) {
+  vkCmdDrawIndexed(commands_, indices, instances, first_index, 0, first_instance);
+}
 void DrawEncoder::draw_indexed_indirect(const Buffer& buffer, VkDeviceSize offset, std::uint32_t draws) {
   vkCmdDrawIndexedIndirect(commands_, buffer.handle(), offset, draws, sizeof(VkDrawIndexedIndirectCommand));
 }
@@ -124,7 +128,7 @@ void PassRecorder::barrier(VkCommandBuffer commands, const std::vector<Use>& use
 }
 
 void PassRecorder::bind(VkCommandBuffer commands, VkPipelineBindPoint point, const std::vector<Binding>& bindings,
-                        const std::vector<Image*>& inputs) {
+                        const std::vector<Attachment>& inputs) {
   const std::size_t count = bindings.size() + inputs.size();
   if (count == 0) return;
   std::vector<VkDescriptorBufferInfo> buffers(count);
@@ -140,7 +144,7 @@ void PassRecorder::bind(VkCommandBuffer commands, VkPipelineBindPoint point, con
       const std::size_t input = i - bindings.size();
       write.dstBinding = static_cast<std::uint32_t>(kInputAttachmentBinding + input);
       write.descriptorType = VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT;
-      images[i] = {VK_NULL_HANDLE, inputs[input]->view(), VK_IMAGE_LAYOUT_GENERAL};
+      images[i] = {VK_NULL_HANDLE, inputs[input].image->layer_view(inputs[input].layer), VK_IMAGE_LAYOUT_GENERAL};
       continue;
     }
     const auto& binding = bindings[i];
@@ -198,9 +202,9 @@ void PassRecorder::compute(ComputePass pass) {
 
 VkFramebuffer PassRecorder::framebuffer(const RasterPass& pass, VkRenderPass render_pass) {
   std::vector<VkImageView> views;
-  for (const Image* image : pass.colours) views.push_back(image->view());
-  if (pass.depth) views.push_back(pass.depth->view());
-  const auto& size = (pass.colours.empty() ? pass.depth : pass.colours.front())->description();
+  for (const auto& colour : pass.colours) views.push_back(colour.image->layer_view(colour.layer));
+  if (pass.depth) views.push_back(pass.depth->layer_view(0));
+  const auto& size = (pass.colours.empty() ? pass.depth : pass.colours.front().image)->description();
   VkFramebufferCreateInfo create{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
   create.renderPass = render_pass;
   create.attachmentCount = static_cast<std::uint32_t>(views.size());
@@ -227,12 +231,18 @@ void PassRecorder::raster(RasterPass pass) {
     step.uses.push_back({buffer, nullptr,
                          {VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
                           VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
-  for (Image* image : pass.colours)
+  for (std::size_t i = 0; i < pass.colours.size(); ++i) {
+    Image* const image = pass.colours[i].image;
+    // Layers of one image share its state: one barrier for them all.
+    bool seen = false;
+    for (std::size_t k = 0; k < i; ++k) seen = seen || pass.colours[k].image == image;
+    if (seen) continue;
     step.uses.push_back({nullptr, image,
                          {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
                           VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT |
                               VK_ACCESS_2_INPUT_ATTACHMENT_READ_BIT,
                           ordered ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}});
+  }
   if (pass.depth)
     step.uses.push_back(
         {nullptr, pass.depth,
@@ -243,7 +253,7 @@ void PassRecorder::raster(RasterPass pass) {
   const VkPipeline pipeline = device_.pipelines().raster(pass.pipeline);
   const VkRenderPass render_pass = device_.pipelines().render_pass(pass.pipeline.targets);
   const VkFramebuffer target = framebuffer(pass, render_pass);
-  const auto& size = (pass.colours.empty() ? pass.depth : pass.colours.front())->description();
+  const auto& size = (pass.colours.empty() ? pass.depth : pass.colours.front().image)->description();
   const VkExtent2D extent{size.width, size.height};
   step.record = [this, pipeline, render_pass, target, extent, ordered, pass = std::move(pass)](VkCommandBuffer commands) {
     std::vector<VkClearValue> clears;
@@ -264,7 +274,7 @@ void PassRecorder::raster(RasterPass pass) {
     begin.pClearValues = clears.data();
     vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
-    bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.bindings, ordered ? pass.colours : std::vector<Image*>{});
+    bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.bindings, ordered ? pass.colours : std::vector<Attachment>{});
     DrawEncoder encoder(device_, commands);
     encoder.push(pass.push);
     encoder.viewport(0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height));

@@ -59,6 +59,8 @@ class DrawEncoder {
   void index_buffer(const Buffer& buffer);  // 32-bit
   void draw(std::uint32_t vertices, std::uint32_t instances = 1, std::uint32_t first_vertex = 0,
             std::uint32_t first_instance = 0);
+  void draw_indexed(std::uint32_t indices, std::uint32_t instances, std::uint32_t first_index,
+                    std::uint32_t first_instance);
   void draw_indexed_indirect(const Buffer& buffer, VkDeviceSize offset, std::uint32_t draws);
   void viewport(float x, float y, float width, float height);
 
@@ -67,10 +69,18 @@ class DrawEncoder {
   VkCommandBuffer commands_;
 };
 
+// One layer of an image that a raster pass draws to.
+struct Attachment {
+  Image* image = nullptr;
+  std::uint32_t layer = 0;
+  Attachment() = default;
+  Attachment(Image& target, std::uint32_t target_layer = 0) : image(&target), layer(target_layer) {}
+};
+
 struct RasterPass {
   std::string name;
   RasterDescription pipeline;  // bound before `draws` is called; its targets name the formats of the attachments below
-  std::vector<Image*> colours;
+  std::vector<Attachment> colours;
   Image* depth = nullptr;
   std::vector<std::array<std::uint32_t, 4>> clear_colours;  // bits; with targets.clear, one each
   float clear_depth = 0;
@@ -120,7 +130,7 @@ class PassRecorder {
     std::function<void()> host;
   };
   void bind(VkCommandBuffer commands, VkPipelineBindPoint point, const std::vector<Binding>& bindings,
-            const std::vector<Image*>& inputs);
+            const std::vector<Attachment>& inputs);
   std::vector<Use> uses_of(const std::vector<Binding>& bindings, VkPipelineStageFlags2 stages) const;
   void barrier(VkCommandBuffer commands, const std::vector<Use>& uses);
   std::size_t timing(const std::string& name);

@@ -105,15 +105,22 @@ Image::Image(Device& device, const ImageDescription& description) : device_(&dev
   check(vkBindImageMemory(device.handle(), image_, memory_, 0), "vkBindImageMemory");
   VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
   view.image = image_;
-  view.viewType = description.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+  view.viewType = description.layers > 1 || description.array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
   view.format = description.format;
   view.subresourceRange = {aspect(), 0, description.mips, 0, description.layers};
   check(vkCreateImageView(device.handle(), &view, nullptr, &view_), "vkCreateImageView");
+  view.viewType = VK_IMAGE_VIEW_TYPE_2D;
+  for (std::uint32_t layer = 0; layer < description.layers; ++layer) {
+    view.subresourceRange = {aspect(), 0, 1, layer, 1};
+    VkImageView& one = layer_views_.emplace_back(VK_NULL_HANDLE);
+    check(vkCreateImageView(device.handle(), &view, nullptr, &one), "vkCreateImageView");
+  }
 }
 
 Image::~Image() {
   if (!device_) return;
   vkDestroyImageView(device_->handle(), view_, nullptr);
+  for (const VkImageView view : layer_views_) vkDestroyImageView(device_->handle(), view, nullptr);
   vkDestroyImage(device_->handle(), image_, nullptr);
   vkFreeMemory(device_->handle(), memory_, nullptr);
 }
@@ -126,6 +133,7 @@ Image& Image::operator=(Image&& other) noexcept {
   std::swap(description_, other.description_);
   std::swap(image_, other.image_);
   std::swap(view_, other.view_);
+  std::swap(layer_views_, other.layer_views_);
   std::swap(memory_, other.memory_);
   std::swap(bytes_, other.bytes_);
   return *this;
@@ -210,7 +218,7 @@ void upload(Device& device, Image& image, std::uint32_t mip, std::uint32_t layer
   });
 }
 
-std::vector<std::byte> download(Device& device, Image& image) {
+std::vector<std::byte> download(Device& device, Image& image, std::uint32_t layer) {
   const auto& description = image.description();
   const std::size_t bytes = std::size_t{description.width} * description.height * bytes_per_texel(description.format);
   Buffer staging(device, description.name + " download", bytes);
@@ -218,7 +226,7 @@ std::vector<std::byte> download(Device& device, Image& image) {
     transition(commands, image, {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT,
                                  VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL});
     VkBufferImageCopy copy{};
-    copy.imageSubresource = {image.aspect(), 0, 0, 1};
+    copy.imageSubresource = {image.aspect(), 0, layer, 1};
     copy.imageExtent = {description.width, description.height, 1};
     vkCmdCopyImageToBuffer(commands, image.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging.handle(), 1, &copy);
     VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};

@@ -59,6 +59,7 @@ struct ImageDescription {
   std::uint32_t width = 1, height = 1, mips = 1, layers = 1;
   VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
   VkImageUsageFlags usage = 0;  // transfer source and destination are always added
+  bool array = false;           // seen as an array by shaders even with one layer
 };
 
 class Image {
@@ -72,6 +73,8 @@ class Image {
   const ImageDescription& description() const { return description_; }
   VkImage handle() const { return image_; }
   VkImageView view() const { return view_; }
+  // One layer, as an attachment.
+  VkImageView layer_view(std::uint32_t layer) const { return layer_views_[layer]; }
   VkDeviceSize bytes() const { return bytes_; }  // what the device allocated
   VkImageAspectFlags aspect() const;
   explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
@@ -83,6 +86,7 @@ class Image {
   ImageDescription description_;
   VkImage image_ = VK_NULL_HANDLE;
   VkImageView view_ = VK_NULL_HANDLE;
+  std::vector<VkImageView> layer_views_;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
   VkDeviceSize bytes_ = 0;
 };
@@ -111,7 +115,7 @@ std::uint32_t bytes_per_texel(VkFormat format);
 
 // Fills one mip level of one layer from tightly packed texels; waits.
 void upload(Device& device, Image& image, std::uint32_t mip, std::uint32_t layer, std::span<const std::byte> texels);
-// The texels of mip 0, layer 0, tightly packed, rows top to bottom; waits.
-std::vector<std::byte> download(Device& device, Image& image);
+// The texels of mip 0 of one layer, tightly packed, rows top to bottom; waits.
+std::vector<std::byte> download(Device& device, Image& image, std::uint32_t layer = 0);
 
 }  // namespace subpixel::gpu

@@ -1,0 +1,55 @@
+// `subpixel <verb>`: parses the command line, calls the library, turns its errors into exit codes.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <fmt/format.h>
+#include <functional>
+#include <new>
+
+#include "capture_format/error.hpp"
+#include "cli/capture_verbs.hpp"
+#include "cli/measure_verbs.hpp"
+#include "cli/replay_verbs.hpp"
+#include "cli/service_verbs.hpp"
+
+namespace {
+
+int report(const std::exception& error, int code) {
+  fmt::print(stderr, "subpixel: {}\n", error.what());
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Replays recorded frames through anti-aliased G-buffer techniques and measures them", "subpixel"};
+  app.set_version_flag("--version", SUBPIXEL_VERSION);
+  app.require_subcommand(1);
+  std::function<int()> action;
+  subpixel::cli::add_capture_verbs(app, action);
+  subpixel::cli::add_replay_verbs(app, action);
+  subpixel::cli::add_measure_verbs(app, action);
+  subpixel::cli::add_service_verbs(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "subpixel: command line: {}\n", error.what());
+    return 2;
+  }
+  try {
+    return action();
+  } catch (const subpixel::UsageError& error) {
+    return report(error, 2);
+  } catch (const subpixel::InputError& error) {
+    return report(error, 3);
+  } catch (const subpixel::DeviceError& error) {
+    return report(error, 4);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "subpixel: memory: there is not enough\n");
+    return 4;
+  } catch (const std::exception& error) {
+    return report(error, 3);
+  }
+}

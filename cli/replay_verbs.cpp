@@ -1,0 +1,204 @@
+#include "cli/replay_verbs.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include "capture_format/error.hpp"
+#include "replay/measure/results_file.hpp"
+#include "replay/replay.hpp"
+#include "replay/techniques/technique.hpp"
+
+namespace subpixel::cli {
+namespace {
+
+using namespace subpixel::replay;
+
+std::uint32_t parse_number(std::string_view text, std::string_view what, const char* flag) {
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size())
+    throw UsageError(std::string(what), fmt::format("'{}' is not a whole number", text), flag);
+  return value;
+}
+
+std::pair<std::uint32_t, std::uint32_t> parse_size(const std::string& text) {
+  const auto x = text.find('x');
+  if (x == std::string::npos) throw UsageError("size", fmt::format("'{}' is not WIDTHxHEIGHT", text), "--size");
+  return {parse_number(std::string_view(text).substr(0, x), "size", "--size"),
+          parse_number(std::string_view(text).substr(x + 1), "size", "--size")};
+}
+
+std::pair<std::uint32_t, std::uint32_t> parse_frames(const std::string& text) {
+  const auto dash = text.find('-');
+  const std::string_view view = text;
+  const std::uint32_t first = parse_number(view.substr(0, dash), "frames", "--frames");
+  return {first, dash == std::string::npos ? first : parse_number(view.substr(dash + 1), "frames", "--frames")};
+}
+
+// One line that is redrawn on a terminal, and a line for each stage's tenth in a log.
+class ProgressLine {
+ public:
+  void update(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) {
+    const std::string label = stage + " " + detail;
+    if (terminal_) {
+      constexpr std::uint32_t kWidth = 30;
+      const std::uint32_t filled = total == 0 ? kWidth : done * kWidth / total;
+      fmt::print(stderr, "\r\033[K[{}{}] {}/{} {}", std::string(filled, '#'), std::string(kWidth - filled, '.'), done, total,
+                 label);
+      std::fflush(stderr);
+    } else if (label != last_) {
+      fmt::print(stderr, "{}: {} ({}/{})\n", stage, detail, done, total);
+    }
+    last_ = label;
+  }
+  ~ProgressLine() {
+    if (terminal_ && !last_.empty()) fmt::print(stderr, "\r\033[K");
+  }
+
+ private:
+  const bool terminal_ = isatty(STDERR_FILENO) != 0;
+  std::string last_;
+};
+
+struct ReplayFlags {
+  std::string file, techniques, frames, size, json_file, out = "out", cache;
+  std::uint32_t samples = 8, repeat = 3, reference_samples = 512;
+  int point_lights = -1;
+};
+
+int replay(const ReplayFlags& flags) {
+  ReplayJob job;
+  job.capture = flags.file;
+  job.out_dir = flags.out;
+  job.cache_dir = flags.cache.empty() ? job.out_dir / "cache" : std::filesystem::path(flags.cache);
+  job.options.techniques = parse_technique_list(flags.techniques);
+  job.options.samples = flags.samples;
+  if (!flags.frames.empty()) job.options.frames = parse_frames(flags.frames);
+  if (!flags.size.empty()) std::tie(job.options.width, job.options.height) = parse_size(flags.size);
+  job.options.repeat = flags.repeat;
+  job.options.reference_samples = flags.reference_samples;
+  if (flags.point_lights >= 0) job.options.point_lights = static_cast<std::uint32_t>(flags.point_lights);
+
+  Results results;
+  {
+    ProgressLine line;
+    ReplayEvents events;
+    events.progress = [&](const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) {
+      line.update(stage, done, total, detail);
+    };
+    results = run_replay(job, events);
+  }
+  const std::filesystem::path json = flags.json_file.empty() ? job.out_dir / "results.json" : std::filesystem::path(flags.json_file);
+  if (json == "-") {
+    std::cout << to_json(results).dump(2) << "\n";
+    return 0;
+  }
+  write_results(json, results);
+  std::cout << to_table(results);
+  fmt::print("images, maps: {}   results: {}\n", job.out_dir.string(), json.string());
+  return 0;
+}
+
+void print_line(const nlohmann::json& message) {
+  std::cout << message.dump() << std::endl;  // flushed: the reader acts on whole lines
+}
+
+int worker(const std::string& job_file) {
+  const auto fail = [](const std::string& message, int code) {
+    print_line({{"type", "error"}, {"message", message}, {"exit", code}});
+    return code;
+  };
+  try {
+    std::ifstream in(job_file, std::ios::binary);
+    if (!in) throw InputError("worker job", "can't be read", job_file);
+    std::stringstream text;
+    text << in.rdbuf();
+    nlohmann::json json;
+    try {
+      json = nlohmann::json::parse(text.str());
+    } catch (const nlohmann::json::parse_error& error) {
+      throw InputError("worker job", error.what(), job_file);
+    }
+    const ReplayJob job = replay_job_from_json(json);
+    std::filesystem::create_directories(job.out_dir);
+    ReplayEvents events;
+    events.progress = [](const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) {
+      print_line({{"type", "progress"}, {"stage", stage}, {"done", done}, {"total", total}, {"detail", detail}});
+    };
+    events.head = [](const ResultsHead& head) { print_line({{"type", "head"}, {"head", to_json(head)}}); };
+    events.result = [](const FrameResult& result) { print_line({{"type", "result"}, {"result", to_json(result)}}); };
+    run_replay(job, events);
+  } catch (const UsageError& error) {
+    return fail(error.what(), 2);
+  } catch (const InputError& error) {
+    return fail(error.what(), 3);
+  } catch (const DeviceError& error) {
+    return fail(error.what(), 4);
+  }
+  print_line({{"type", "done"}});
+  return 0;
+}
+
+std::string parameter_range(const Parameter& p) {
+  if (!p.choices.empty()) return fmt::format("{}", fmt::join(p.choices, " | "));
+  if (!p.allowed.empty()) return fmt::format("{}", fmt::join(p.allowed, " | "));
+  if (p.kind == ParameterKind::boolean) return "true | false";
+  return fmt::format("{} to {}", p.minimum, p.maximum);
+}
+
+int list_techniques(bool json) {
+  if (json) {
+    std::cout << registry_json().dump(2) << "\n";
+    return 0;
+  }
+  for (const Technique* technique : techniques()) {
+    fmt::print("{}: {}\n", technique->name, technique->title);
+    if (!technique->paper.empty()) fmt::print("  {}\n", technique->paper);
+    for (const Parameter& p : technique->parameters) {
+      const std::string value = p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump();
+      fmt::print("  {:16} {}{}{}; default {}\n  {:16} {}\n", p.name, parameter_range(p), p.unit.empty() ? "" : " ", p.unit, value,
+                 "", p.doc);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
+  CLI::App* list = app.add_subcommand("techniques", "List the techniques with their parameters");
+  const auto json = std::make_shared<bool>(false);
+  list->add_flag("--json", *json, "Print the registry as one JSON document");
+  list->callback([&action, json] { action = [json] { return list_techniques(*json); }; });
+
+  CLI::App* run = app.add_subcommand("replay", "Replay a capture through techniques and measure them");
+  const auto flags = std::make_shared<ReplayFlags>();
+  run->add_option("file", flags->file, "The capture (.spcap)")->required();
+  run->add_option("--techniques", flags->techniques, "a,b:param=v,...; see `subpixel techniques`")->required();
+  run->add_option("--samples", flags->samples, "Samples per pixel of techniques that don't name theirs")->capture_default_str();
+  run->add_option("--frames", flags->frames, "FIRST-LAST, from 0; all when absent");
+  run->add_option("--size", flags->size, "WIDTHxHEIGHT; as recorded when absent");
+  run->add_option("--repeat", flags->repeat, "Timed runs of every frame; medians are reported")->capture_default_str();
+  run->add_option("--reference-samples", flags->reference_samples, "Visibility samples of the reference; 0: none")
+      ->capture_default_str();
+  run->add_option("--lights", flags->point_lights, "Point lights: this many; as recorded when absent")->check(CLI::Range(0, 256));
+  run->add_option("--out", flags->out, "Folder for images, maps and results.json")->capture_default_str();
+  run->add_option("--json", flags->json_file, "Results file (default OUT/results.json); - prints it instead of the table");
+  run->add_option("--cache", flags->cache, "Folder of cached references (default OUT/cache)");
+  run->callback([&action, flags] { action = [flags] { return replay(*flags); }; });
+
+  CLI::App* work = app.add_subcommand("worker", "Run one job of the service; its messages go to standard output");
+  const auto job = std::make_shared<std::string>();
+  work->add_option("--job", *job, "The job, JSON")->required();
+  work->callback([&action, job] { action = [job] { return worker(*job); }; });
+}
+
+}  // namespace subpixel::cli

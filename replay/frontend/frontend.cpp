@@ -1,0 +1,252 @@
+#include "replay/frontend/frontend.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "capture_format/error.hpp"
+#include "shaders/frontend/frontend_types.h"
+
+namespace subpixel::replay {
+namespace {
+
+// Push constants of geometry.glsl.
+struct FrontendPush {
+  std::uint64_t positions, indices, clip_matrices, instances, records;
+  std::uint32_t chunk_count, triangle_slots, piece_capacity;
+};
+
+constexpr std::uint32_t kChunk = SUBPIXEL_CHUNK_TRIANGLES;
+// A dispatch may have at least this many groups in each dimension (Vulkan's required limit).
+constexpr std::uint32_t kMaxGroups = 65535;
+
+std::uint32_t groups_of(std::uint64_t items, std::uint32_t size) {
+  return static_cast<std::uint32_t>((items + size - 1) / size);
+}
+
+}  // namespace
+
+Frontend::Frontend(gpu::Device& device, GpuScene& scene) : device_(device), scene_(scene) {}
+
+gpu::Constants Frontend::constants() const { return {{0, samples_}, {1, scene_.features().bits}}; }
+
+std::uint64_t Frontend::allocated_bytes() const {
+  std::uint64_t total = 0;
+  for (const gpu::Buffer* buffer :
+       {&chunks_, &clip_matrices_, &counts_, &clip_list_, &clip_count_, &sums_, &piece_bases_, &records_, &hull_indices_,
+        &material_ranges_, &visibility_ranges_, &material_commands_, &visibility_commands_})
+    total += buffer->bytes();
+  return total;
+}
+
+void Frontend::build_chunks() {
+  std::vector<gpu_types::ChunkRecord> chunks;
+  material_batches_.clear();
+  visibility_batches_.clear();
+  for (const DrawItem& draw : scene_.draws()) {
+    const auto first_chunk = static_cast<std::uint32_t>(chunks.size());
+    const bool alpha = scene_.alpha_tested(draw.material);
+    const std::uint32_t flags =
+        (scene_.two_sided(draw.material) ? 0u : CHUNK_CULL_BACK) | (alpha ? CHUNK_ALPHA_TEST : 0u);
+    for (std::uint32_t instance = 0; instance < draw.instance_count; ++instance)
+      for (std::uint32_t first = 0; first < draw.triangle_count; first += kChunk)
+        chunks.push_back({{draw.first_index + 3 * first, std::min(kChunk, draw.triangle_count - first),
+                           draw.first_instance + instance, draw.material},
+                          {flags, 0, 0, 0}});
+    const auto last_chunk = static_cast<std::uint32_t>(chunks.size());
+    if (first_chunk == last_chunk) continue;
+    const auto extend = [&](std::vector<Batch>& batches, bool same_kind) {
+      if (!batches.empty() && same_kind)
+        batches.back().last_chunk = last_chunk;
+      else
+        batches.push_back({first_chunk, last_chunk, draw.material, alpha});
+    };
+    extend(material_batches_, !material_batches_.empty() && material_batches_.back().material == draw.material);
+    // Depth alone needs a material's textures only where they decide coverage.
+    extend(visibility_batches_, !visibility_batches_.empty() && visibility_batches_.back().alpha_test == alpha &&
+                                    (!alpha || visibility_batches_.back().material == draw.material));
+  }
+  constexpr std::size_t kMostChunks = 0x7fffffffu / 3 / kChunk;  // corner numbers of all records stay within 32 bits
+  if (chunks.size() > kMostChunks)
+    throw DeviceError("front-end", fmt::format("{} groups of {} triangles are over the limit of {}", chunks.size(), kChunk,
+                                               kMostChunks), "frame's draws");
+  chunk_count_ = static_cast<std::uint32_t>(chunks.size());
+  chunks_ = gpu::Buffer(device_, "chunks", chunks.size() * sizeof(gpu_types::ChunkRecord));
+  std::copy(chunks.begin(), chunks.end(), chunks_.as<gpu_types::ChunkRecord>().begin());
+
+  const auto upload_ranges = [&](const std::vector<Batch>& batches, gpu::Buffer& ranges, gpu::Buffer& commands,
+                                 const char* name) {
+    ranges = gpu::Buffer(device_, std::string(name) + " batches", batches.size() * sizeof(glm::uvec2));
+    for (std::size_t i = 0; i < batches.size(); ++i)
+      ranges.as<glm::uvec2>()[i] = {batches[i].first_chunk, batches[i].last_chunk};
+    commands = gpu::Buffer(device_, std::string(name) + " draws", batches.size() * sizeof(VkDrawIndexedIndirectCommand));
+  };
+  upload_ranges(material_batches_, material_ranges_, material_commands_, "material");
+  upload_ranges(visibility_batches_, visibility_ranges_, visibility_commands_, "visibility");
+}
+
+void Frontend::build_clip_matrices() {
+  // In doubles, so that a scene far from the origin keeps its sub-pixel positions.
+  const auto instances = scene_.instances.as<gpu_types::InstanceRecord>();
+  const std::uint32_t count = scene_.constants().counts.z;
+  clip_matrices_ = gpu::Buffer(device_, "clip matrices", std::uint64_t{count} * sizeof(glm::mat4));
+  const glm::dmat4 view_projection(scene_.constants().view_projection);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    glm::dmat4 world(1.0);
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column)
+        world[column][row] = static_cast<double>(instances[i].world_row[row][column]);
+    clip_matrices_.as<glm::mat4>()[i] = glm::mat4(view_projection * world);
+  }
+}
+
+void Frontend::prepare(std::uint32_t samples) {
+  samples_ = samples;
+  build_chunks();
+  build_clip_matrices();
+  const std::uint64_t slots = std::uint64_t{chunk_count_} * kChunk;
+  counts_ = gpu::Buffer(device_, "counts", slots * sizeof(std::uint32_t));
+  clip_list_ = gpu::Buffer(device_, "clip list", slots * sizeof(std::uint32_t));
+  clip_count_ = gpu::Buffer(device_, "clip count", sizeof(std::uint32_t));
+  sums_ = gpu::Buffer(device_, "chunk sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec2));
+  piece_bases_ = gpu::Buffer(device_, "piece bases", slots * sizeof(std::uint32_t));
+  records_ = gpu::Buffer(device_, "triangle records", slots * sizeof(gpu_types::TriangleRecord));
+  hull_indices_ = gpu::Buffer(device_, "hull indices", 16);
+  clipped_ = slots;  // of this run; the real number is known after it
+  pieces_ = hulls_ = 0;
+
+  gpu::PassRecorder sizing(device_);
+  record_culling(sizing);
+  sizing.run();
+  clipped_ = clip_count_.as<std::uint32_t>()[0];
+  const glm::uvec2 totals = sums_.as<glm::uvec2>()[chunk_count_];
+  hulls_ = totals.x;
+  pieces_ = totals.y;
+  records_ = gpu::Buffer(device_, "triangle records", (slots + pieces_) * sizeof(gpu_types::TriangleRecord));
+  hull_indices_ = gpu::Buffer(device_, "hull indices", hulls_ * 3 * sizeof(std::uint32_t));
+}
+
+void Frontend::record_culling(gpu::PassRecorder& recorder) {
+  const FrontendPush push{scene_.positions.address(), scene_.indices.address(), clip_matrices_.address(),
+                          scene_.instances.address(), records_.address(), chunk_count_, chunk_count_ * kChunk,
+                          static_cast<std::uint32_t>(pieces_)};
+  recorder.fill("setup", clip_count_, 0);
+  gpu::ComputePass pass;
+  pass.name = "setup";
+  pass.shader = "frontend/setup.comp";
+  pass.constants = constants();
+  pass.bindings = {gpu::uniform(scene_.frame_constants), gpu::reads(0, chunks_), gpu::writes(1, counts_),
+                   gpu::writes(2, clip_list_), gpu::writes(4, clip_count_)};
+  pass.by_address = {&scene_.positions, &scene_.indices, &clip_matrices_, &scene_.instances, &records_};
+  pass.push = gpu::PushConstants(push);
+  pass.groups = {std::min(chunk_count_, kMaxGroups), groups_of(chunk_count_, kMaxGroups), 1};
+  recorder.compute(pass);
+
+  pass.shader = "frontend/clip.comp:COUNT";
+  pass.bindings = {gpu::uniform(scene_.frame_constants), gpu::reads(0, chunks_), gpu::writes(1, counts_),
+                   gpu::reads(2, clip_list_), gpu::reads(3, piece_bases_), gpu::reads(4, clip_count_)};
+  pass.groups = {groups_of(clipped_, 64), 1, 1};
+  recorder.compute(pass);
+
+  gpu::ComputePass sum;
+  sum.name = "setup";
+  sum.shader = "frontend/chunk_sum.comp";
+  sum.bindings = {gpu::reads(0, counts_), gpu::writes(1, sums_)};
+  sum.push = gpu::PushConstants(chunk_count_);
+  sum.groups = {groups_of(chunk_count_, 64), 1, 1};
+  recorder.compute(sum);
+
+  sum.shader = "frontend/scan.comp";
+  sum.bindings = {gpu::writes(0, sums_)};
+  sum.groups = {1, 1, 1};
+  recorder.compute(sum);
+}
+
+void Frontend::record_setup(gpu::PassRecorder& recorder) {
+  record_culling(recorder);
+
+  gpu::ComputePass emit;
+  emit.name = "setup";
+  emit.shader = "frontend/emit.comp";
+  emit.bindings = {gpu::reads(0, counts_), gpu::reads(1, sums_), gpu::writes(2, hull_indices_), gpu::writes(3, piece_bases_)};
+  struct {
+    std::uint32_t chunk_count, triangle_slots, hull_capacity;
+  } const emit_push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hulls_)};
+  emit.push = gpu::PushConstants(emit_push);
+  emit.groups = {groups_of(chunk_count_, 64), 1, 1};
+  recorder.compute(emit);
+
+  if (clipped_ > 0) {
+    const FrontendPush push{scene_.positions.address(), scene_.indices.address(), clip_matrices_.address(),
+                            scene_.instances.address(), records_.address(), chunk_count_, chunk_count_ * kChunk,
+                            static_cast<std::uint32_t>(pieces_)};
+    gpu::ComputePass clip;
+    clip.name = "setup";
+    clip.shader = "frontend/clip.comp:EMIT";
+    clip.constants = constants();
+    clip.bindings = {gpu::uniform(scene_.frame_constants), gpu::reads(0, chunks_), gpu::writes(1, counts_),
+                     gpu::reads(2, clip_list_), gpu::reads(3, piece_bases_), gpu::reads(4, clip_count_)};
+    clip.by_address = {&scene_.positions, &scene_.indices, &clip_matrices_, &scene_.instances, &records_};
+    clip.push = gpu::PushConstants(push);
+    clip.groups = {groups_of(clipped_, 64), 1, 1};
+    recorder.compute(clip);
+  }
+
+  const auto arguments = [&](std::size_t batches, gpu::Buffer& ranges, gpu::Buffer& commands) {
+    gpu::ComputePass pass;
+    pass.name = "setup";
+    pass.shader = "frontend/draw_arguments.comp";
+    pass.bindings = {gpu::reads(0, ranges), gpu::reads(1, sums_), gpu::writes(2, commands)};
+    pass.push = gpu::PushConstants(static_cast<std::uint32_t>(batches));
+    pass.groups = {groups_of(batches, 64), 1, 1};
+    recorder.compute(pass);
+  };
+  arguments(material_batches_.size(), material_ranges_, material_commands_);
+  arguments(visibility_batches_.size(), visibility_ranges_, visibility_commands_);
+}
+
+void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry) {
+  gpu::RasterPass& pass = geometry.pass;
+  HullPush push{};
+  push.records = records_.address();
+  push.positions = scene_.positions.address();
+  push.normals = scene_.normals.address();
+  push.uvs = scene_.uvs.address();
+  push.tangents = scene_.tangents.address();
+  push.indices = scene_.indices.address();
+  push.clip_matrices = clip_matrices_.address();
+  push.instances = scene_.instances.address();
+
+  gpu::RasterDescription opaque = pass.pipeline;
+  opaque.vertex = geometry.by_material ? "frontend/hull.vert:ATTRIBUTES" : "frontend/hull.vert:VISIBILITY";
+  opaque.fragment = geometry.fragment_opaque;
+  for (const auto& constant : constants()) opaque.constants.push_back(constant);
+  gpu::RasterDescription alpha = opaque;
+  alpha.vertex = "frontend/hull.vert:ALPHA";
+  alpha.fragment = geometry.fragment_alpha;
+  pass.pipeline = opaque;
+  pass.bindings.push_back(gpu::uniform(scene_.frame_constants));
+  pass.bindings.push_back(gpu::reads(10, scene_.materials));
+  gpu::Buffer& commands = geometry.by_material ? material_commands_ : visibility_commands_;
+  pass.indices_and_indirect = {&hull_indices_, &commands};
+  pass.by_address = {&records_, &scene_.positions, &scene_.normals, &scene_.uvs, &scene_.tangents, &scene_.indices,
+                     &clip_matrices_, &scene_.instances};
+
+  const auto& batches = geometry.by_material ? material_batches_ : visibility_batches_;
+  pass.draws = [this, push, opaque, alpha, &batches, &commands, by_material = geometry.by_material](gpu::DrawEncoder& encoder) {
+    encoder.index_buffer(hull_indices_);
+    HullPush batch_push = push;
+    for (std::size_t i = 0; i < batches.size(); ++i) {
+      const Batch& batch = batches[i];
+      if (!by_material) encoder.pipeline(batch.alpha_test ? alpha : opaque);
+      batch_push.material = batch.material;
+      encoder.push(gpu::PushConstants(batch_push));
+      encoder.material(scene_.material_set(batch.material));
+      encoder.draw_indexed_indirect(commands, i * sizeof(VkDrawIndexedIndirectCommand), 1);
+    }
+  };
+  recorder.raster(std::move(pass));
+}
+
+}  // namespace subpixel::replay

@@ -1,0 +1,74 @@
+// Triangle set-up and coverage: turns the draws of a frame into ordered fragments with exact masks.
+// Source of the scheme: docs/frontend.md (snapped vertices, exact edges, conservative hulls).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "replay/gpu/pass_recorder.hpp"
+#include "replay/scene/gpu_scene.hpp"
+
+namespace subpixel::replay {
+
+enum class AlphaDecision : std::uint32_t { to_coverage = 0, test = 1, per_sample = 2 };
+
+// Push constants of hull.vert and fragment.glsl.
+struct HullPush {
+  std::uint64_t records, positions, normals, uvs, tangents, indices, clip_matrices, instances;
+  std::uint32_t material, unused;
+};
+
+class Frontend {
+ public:
+  Frontend(gpu::Device& device, GpuScene& scene);
+
+  // Sizes everything for the scene's current frame at `samples` per pixel, by running set-up once.
+  void prepare(std::uint32_t samples);
+
+  // The set-up passes, all named "setup". prepare() must have been called for the frame and sample count.
+  void record_setup(gpu::PassRecorder& recorder);
+
+  // A geometry pass over all hulls in submission order. `pass` comes with name, fragment shader (by `fragment_opaque` and
+  // `fragment_alpha`), targets and bindings; geometry, materials and draws are added. With `by_material` the draws carry
+  // attributes (hull.vert:ATTRIBUTES) and `fragment_alpha` is not used.
+  struct GeometryPass {
+    gpu::RasterPass pass;
+    std::string fragment_opaque, fragment_alpha;
+    bool by_material = false;
+  };
+  void record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry);
+
+  // Specialization constants every front-end shader takes: samples and features.
+  gpu::Constants constants() const;
+
+  std::uint32_t samples() const { return samples_; }
+  std::uint64_t hull_count() const { return hulls_; }          // screen triangles after culling and clipping
+  std::uint64_t clipped_count() const { return clipped_; }     // source triangles that crossed a clip plane
+  std::uint64_t allocated_bytes() const;
+  GpuScene& scene() { return scene_; }
+  gpu::Buffer& clip_matrices() { return clip_matrices_; }  // object to clip, one for each instance
+  // For tests: the records and the hull indices of the last run.
+  gpu::Buffer& records() { return records_; }
+  gpu::Buffer& hull_indices() { return hull_indices_; }
+
+ private:
+  struct Batch {
+    std::uint32_t first_chunk = 0, last_chunk = 0;  // [first, last)
+    std::uint32_t material = 0;
+    bool alpha_test = false;
+  };
+  void build_chunks();
+  void build_clip_matrices();
+  void record_culling(gpu::PassRecorder& recorder);
+
+  gpu::Device& device_;
+  GpuScene& scene_;
+  std::uint32_t samples_ = 0;
+  std::uint32_t chunk_count_ = 0;
+  std::uint64_t hulls_ = 0, clipped_ = 0, pieces_ = 0;
+  std::vector<Batch> material_batches_, visibility_batches_;
+  gpu::Buffer chunks_, clip_matrices_, counts_, clip_list_, clip_count_, sums_, piece_bases_, records_, hull_indices_;
+  gpu::Buffer material_ranges_, visibility_ranges_, material_commands_, visibility_commands_;
+};
+
+}  // namespace subpixel::replay

@@ -1,0 +1,15 @@
+// The visibility buffer: depth and triangle of every sample, found in one ordered geometry pass for each 16 samples.
+#pragma once
+
+#include "replay/techniques/frame_setup.hpp"
+
+namespace subpixel::replay {
+
+// Records the passes, named "visibility"; returns the image (RGBA32UI array, layers as shaders/include/visibility.glsl reads
+// them). `samples` is 1, 4, 8, 16, 32 or 64 and what the front-end was prepared for.
+gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& setup);
+
+// Samples in one pass of visibility.frag for an n-sample pattern.
+std::uint32_t visibility_group(std::uint32_t samples);
+
+}  // namespace subpixel::replay

@@ -1,0 +1,17 @@
+// Proof at start-up that fragments of a pixel see each other's writes in primitive order.
+#pragma once
+
+#include "replay/gpu/device.hpp"
+
+namespace subpixel::gpu {
+
+struct LitmusResult {
+  std::uint64_t fragments = 0, order_violations = 0, lost_updates = 0;
+};
+
+// Draws overlapping triangles whose fragments read the pixel, check that the triangle before them wrote it, and write.
+LitmusResult run_order_litmus(Device& device);
+// Throws DeviceError with the counts when any fragment was out of order or lost.
+void require_ordered_access(Device& device);
+
+}  // namespace subpixel::gpu

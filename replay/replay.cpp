@@ -1,0 +1,317 @@
+#include "replay/replay.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "capture_format/error.hpp"
+#include "capture_format/hash.hpp"
+#include "capture_format/reader.hpp"
+#include "replay/gpu/litmus.hpp"
+#include "replay/measure/atomic_file.hpp"
+#include "replay/measure/flip.hpp"
+#include "replay/measure/maps.hpp"
+#include "replay/measure/metrics.hpp"
+#include "replay/reference/reference.hpp"
+#include "replay/reference/reference_cache.hpp"
+#include "replay/techniques/frame_setup.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+// A technique with its parameters checked and complete.
+struct PlannedTechnique {
+  const Technique* technique = nullptr;
+  ParameterValues parameters;
+  std::uint32_t samples = 1;
+};
+
+std::vector<PlannedTechnique> plan(const ReplayOptions& options) {
+  if (options.techniques.empty()) throw UsageError("techniques", "none was given", "--techniques");
+  std::vector<PlannedTechnique> planned;
+  for (const TechniqueRequest& request : options.techniques) {
+    const Technique& technique = find_technique(request.technique);
+    ParameterValues given = request.parameters;
+    // The run's sample count, for techniques that have it as a choice.
+    for (const Parameter& p : technique.parameters)
+      if (p.name == "samples" && !given.contains("samples") &&
+          std::find(p.allowed.begin(), p.allowed.end(), static_cast<double>(options.samples)) != p.allowed.end())
+        given["samples"] = options.samples;
+    PlannedTechnique one{&technique, check_parameters(technique.name, technique.parameters, given), 1};
+    one.samples = one.parameters.at("samples").get<std::uint32_t>();
+    planned.push_back(std::move(one));
+  }
+  return planned;
+}
+
+std::pair<std::uint32_t, std::uint32_t> frame_range(const ReplayOptions& options, std::size_t frames) {
+  if (frames == 0) throw InputError("capture", "it has no frames", "frames");
+  const auto last = static_cast<std::uint32_t>(frames - 1);
+  if (!options.frames) return {0, last};
+  const auto [first, end] = *options.frames;
+  if (first > end || end > last)
+    throw UsageError("frames", fmt::format("{}-{} is not within 0-{}", first, end, last), "--frames");
+  return *options.frames;
+}
+
+// rgb of an RGBA32F device image, and its alpha.
+struct Downloaded {
+  Image colour;
+  std::vector<float> alpha;
+};
+
+Downloaded download_colour(gpu::Device& device, gpu::Image& image, Encoding encoding) {
+  const auto bytes = gpu::download(device, image);
+  const auto& size = image.description();
+  Downloaded result{Image(size.width, size.height, 3, encoding), {}};
+  const std::size_t pixels = std::size_t{size.width} * size.height;
+  result.alpha.resize(pixels);
+  std::vector<float> texels(4 * pixels);
+  std::memcpy(texels.data(), bytes.data(), bytes.size());
+  for (std::size_t i = 0; i < pixels; ++i) {
+    std::copy_n(&texels[4 * i], 3, &result.colour.pixels[3 * i]);
+    result.alpha[i] = texels[4 * i + 3];
+  }
+  return result;
+}
+
+class Replay {
+ public:
+  Replay(const ReplayJob& job, const ReplayEvents& events)
+      : job_(job), options_(job.options), events_(events), planned_(plan(job.options)),
+        capture_(capture::read_capture(job.capture)), device_({}) {}
+
+  Results run();
+
+ private:
+  void make_head();
+  void run_frame(std::uint32_t frame, std::uint32_t index, std::uint32_t count);
+  void find_reference(std::uint32_t frame);
+  FrameResult run_technique(std::uint32_t frame, std::size_t which);
+  void measure(FrameResult& result, FrameSetup& setup, std::size_t which);
+  bool skipped(std::uint32_t frame, std::size_t which) const;
+  void progress(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) const {
+    if (events_.progress) events_.progress(stage, done, total, detail);
+  }
+  std::string write_png(const std::string& name, const Image& image) {
+    write_file_atomically(job_.out_dir / name, encode_png(image));
+    return name;
+  }
+
+  const ReplayJob& job_;
+  const ReplayOptions& options_;
+  const ReplayEvents& events_;
+  std::vector<PlannedTechnique> planned_;
+  capture::Capture capture_;
+  gpu::Device device_;
+  std::unique_ptr<GpuScene> scene_;
+  std::unique_ptr<Frontend> frontend_;
+  std::uint32_t width_ = 0, height_ = 0;
+  ResultsHead head_;
+  std::optional<ReferenceImage> reference_;
+  std::string reference_file_;
+  // Display images of the frame before, for flicker: the reference's and each technique's.
+  Image reference_before_;
+  std::vector<Image> before_;
+  std::optional<std::uint32_t> frame_before_;
+};
+
+void Replay::make_head() {
+  const auto& first = capture_.frames.front();
+  width_ = options_.width == 0 ? first.width : options_.width;
+  height_ = options_.height == 0 ? first.height : options_.height;
+  const auto limit = device_.info().max_image_dimension;
+  if (width_ == 0 || height_ == 0 || width_ > limit || height_ > limit)
+    throw DeviceError("size", fmt::format("{}x{} is not within 1x1 and the device's {}x{}", width_, height_, limit, limit),
+                      "--size");
+  head_.capture_hash = capture::content_hash_hex(job_.capture);
+  head_.capture_title = capture_.metadata.title;
+  const auto& info = device_.info();
+  head_.device = info.device;
+  head_.driver = info.driver;
+  head_.driver_version = info.driver_version;
+  head_.cpu_model = info.cpu_model;
+  head_.build = SUBPIXEL_VERSION;
+  head_.date_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+  head_.width = width_;
+  head_.height = height_;
+  head_.repeat = options_.repeat;
+  head_.reference_samples = options_.reference_samples;
+}
+
+bool Replay::skipped(std::uint32_t frame, std::size_t which) const {
+  return std::any_of(options_.skip.begin(), options_.skip.end(),
+                     [&](const auto& done) { return done.first == frame && done.second == which; });
+}
+
+Results Replay::run() {
+  const auto start = Clock::now();
+  if (options_.repeat < 1 || options_.repeat > 1000)
+    throw UsageError("repeat", fmt::format("{} is not within 1-1000", options_.repeat), "--repeat");
+  const auto [first, last] = frame_range(options_, capture_.frames.size());
+  make_head();
+  progress("load", 0, 1, capture_.metadata.title);
+  gpu::require_ordered_access(device_);
+  scene_ = std::make_unique<GpuScene>(device_, capture_, SceneOptions{options_.point_lights, 2048});
+  frontend_ = std::make_unique<Frontend>(device_, *scene_);
+  head_.features = scene_->features().names();
+  scene_->set_frame(first, width_, height_);
+  head_.triangles_first_frame = scene_->triangle_count();
+  head_.point_lights = scene_->constants().counts.x;
+  if (events_.head) events_.head(head_);
+  before_.resize(planned_.size());
+
+  Results results;
+  for (std::uint32_t frame = first; frame <= last; ++frame) {
+    std::vector<std::size_t> wanted;
+    for (std::size_t which = 0; which < planned_.size(); ++which)
+      if (!skipped(frame, which)) wanted.push_back(which);
+    if (wanted.empty()) continue;
+    scene_->set_frame(frame, width_, height_);
+    find_reference(frame);
+    for (const std::size_t which : wanted) {
+      const auto total = static_cast<std::uint32_t>((last - first + 1) * planned_.size());
+      const auto done = static_cast<std::uint32_t>((frame - first) * planned_.size() + which);
+      progress("replay", done, total, fmt::format("frame {} {}", frame, planned_[which].technique->name));
+      FrameResult result = run_technique(frame, which);
+      if (events_.result) events_.result(result);
+      results.results.push_back(std::move(result));
+    }
+    if (reference_) reference_before_ = reference_->display;
+    frame_before_ = frame;
+  }
+  head_.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  head_.outside_gpu_s = head_.wall_s - device_.total_ms() * 1e-3;
+  if (events_.head) events_.head(head_);
+  results.head = head_;
+  return results;
+}
+
+void Replay::find_reference(std::uint32_t frame) {
+  reference_.reset();
+  if (options_.reference_samples == 0) return;
+  ReferenceOptions wanted;
+  wanted.samples = options_.reference_samples;
+  const auto report = [&](std::uint32_t done, std::uint32_t total) {
+    progress("reference", done, total, fmt::format("frame {}", frame));
+  };
+  reference_ = cached_reference(job_.cache_dir, head_.capture_hash, frame, device_, *scene_, wanted, report);
+  reference_file_ = write_png(fmt::format("frame{:04}_reference.png", frame), reference_->display);
+}
+
+FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
+  const PlannedTechnique& planned = planned_[which];
+  frontend_->prepare(planned.samples);
+  FrameOutputs outputs;
+  FrameSetup setup{*scene_, *frontend_, width_, height_, planned.samples, planned.parameters, outputs};
+  gpu::PassRecorder recorder(device_);
+  planned.technique->record(recorder, setup);
+
+  FrameResult result;
+  result.frame = frame;
+  result.technique = planned.technique->name;
+  result.parameters = planned.parameters;
+  result.samples = planned.samples;
+  result.width = width_;
+  result.height = height_;
+
+  recorder.run();
+  for (const auto& timing : recorder.timings()) result.ms.cold_ms += timing.ms.back();
+  recorder.clear_timings();
+  for (std::uint32_t i = 0; i < options_.repeat; ++i) recorder.run();
+  std::vector<double> totals(options_.repeat, 0.0);
+  for (const auto& timing : recorder.timings()) {
+    result.ms.passes.push_back({timing.name, median(timing.ms)});
+    result.ms.total_ms += result.ms.passes.back().median_ms;
+    for (std::size_t i = 0; i < totals.size(); ++i) totals[i] += timing.ms[i];
+  }
+  const auto [least, most] = std::minmax_element(totals.begin(), totals.end());
+  result.ms.spread_ms = *most - *least;
+
+  const MemoryLayout layout = planned.technique->layout(setup);
+  const double pixels = static_cast<double>(width_) * height_;
+  for (const auto& entry : layout.paper) result.memory.paper_bytes_per_pixel += entry.bits_per_pixel / 8;
+  for (const auto& entry : layout.fitted) result.memory.fitted_bytes_per_pixel += entry.bits_per_pixel / 8;
+  result.memory.paper_bytes = static_cast<std::uint64_t>(result.memory.paper_bytes_per_pixel * pixels);
+  result.memory.fitted_bytes = static_cast<std::uint64_t>(result.memory.fitted_bytes_per_pixel * pixels);
+  result.memory.allocated_bytes = recorder.allocated_bytes();
+
+  result.counters = outputs.counters;
+  result.counters["triangles"] = scene_->triangle_count();
+  result.counters["screen_triangles"] = frontend_->hull_count();
+  result.counters["clipped_triangles"] = frontend_->clipped_count();
+  result.counters["frontend_bytes"] = frontend_->allocated_bytes();
+  measure(result, setup, which);
+  return result;
+}
+
+void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which) {
+  const std::string stem = fmt::format("frame{:04}_{:02}_{}", result.frame, which, result.technique);
+  const Downloaded radiance = download_colour(device_, *setup.outputs.radiance, Encoding::linear);
+  Image display = download_colour(device_, *setup.outputs.display, Encoding::display).colour;
+
+  const std::size_t pixels = radiance.alpha.size();
+  std::vector<std::uint32_t> counts(pixels);
+  std::transform(radiance.alpha.begin(), radiance.alpha.end(), counts.begin(),
+                 [](float count) { return static_cast<std::uint32_t>(std::max(count, 0.0f)); });
+  const std::uint32_t most = *std::max_element(counts.begin(), counts.end());
+  result.shading.histogram.assign(most + 1, 0);
+  for (const std::uint32_t count : counts) {
+    ++result.shading.histogram[count];
+    result.shading.executions += count;
+  }
+  result.shading.per_pixel_mean = static_cast<double>(result.shading.executions) / static_cast<double>(pixels);
+  result.counters["invalid_pixels"] = invalid_pixels(radiance.colour) + invalid_pixels(display);
+
+  result.images["image"] = write_png(stem + ".png", display);
+  write_file_atomically(job_.out_dir / (stem + ".exr"), encode_exr(radiance.colour));
+  result.images["hdr"] = stem + ".exr";
+  result.images["shading"] =
+      write_png(stem + "_shading.png",
+                colour_counts(width_, height_, counts, result.samples, "Lighting executions", "per pixel").image);
+  for (const auto& [name, image] : setup.outputs.maps) {
+    const auto bytes = gpu::download(device_, *image);
+    std::vector<std::uint32_t> values(pixels);
+    std::memcpy(values.data(), bytes.data(), bytes.size());
+    for (const MapDescription& map : planned_[which].technique->maps) {
+      if (map.name != name) continue;
+      const auto maximum = map.maximum > 0 ? static_cast<std::uint32_t>(map.maximum) : result.samples;
+      result.images[name] = write_png(fmt::format("{}_{}.png", stem, name),
+                                      colour_counts(width_, height_, values, maximum, map.title, map.unit).image);
+      std::uint64_t total = 0;
+      for (const std::uint32_t value : values) total += value;
+      result.counters[name] = total;
+    }
+  }
+  if (!reference_) return;
+
+  result.images["reference"] = reference_file_;
+  result.error.mse = mse(reference_->display, display);
+  result.error.psnr_db = psnr_db(result.error.mse);
+  result.error.hdr_rel_mse = hdr_relative_mse(reference_->linear, radiance.colour);
+  const FlipResult perceived = flip(reference_->display, display);
+  result.error.flip_mean = perceived.mean;
+  result.error.flip_p99 = perceived.p99;
+  result.error.flip_max = perceived.maximum;
+  if (frame_before_ && *frame_before_ + 1 == result.frame && before_[which].width != 0)
+    result.error.flicker = flicker(reference_before_, reference_->display, before_[which], display);
+  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(reference_->display, display)).image);
+  before_[which] = std::move(display);
+}
+
+}  // namespace
+
+Results run_replay(const ReplayJob& job, const ReplayEvents& events) { return Replay(job, events).run(); }
+
+}  // namespace subpixel::replay

@@ -1,0 +1,24 @@
+// A capture in, measured frames out: the whole run, for the command line and for worker processes.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "replay/results.hpp"
+#include "replay/worker_protocol.hpp"
+
+namespace subpixel::replay {
+
+struct ReplayEvents {
+  std::function<void(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail)>
+      progress;
+  std::function<void(const ResultsHead&)> head;    // before the first result and, with the wall times, after the last
+  std::function<void(const FrameResult&)> result;  // its images are files in the job's out_dir, complete
+};
+
+// Replays every frame asked for through every technique. Each result's images: "image" and "reference" (PNG), "hdr" (EXR),
+// "error" and "shading" (PNG maps) and the technique's own maps by name.
+// Throws UsageError (technique, parameter, frame, size), InputError (capture, full disk) and DeviceError.
+Results run_replay(const ReplayJob& job, const ReplayEvents& events);
+
+}  // namespace subpixel::replay

@@ -1,0 +1,88 @@
+#include "replay/techniques/deferred.hpp"
+
+#include <algorithm>
+
+namespace subpixel::replay {
+namespace {
+constexpr VkFormat kWords = VK_FORMAT_R32G32B32A32_UINT, kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
+constexpr VkImageUsageFlags kTarget =
+    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+}  // namespace
+
+std::uint32_t gbuffer_group(std::uint32_t samples) { return std::min(samples, 8u); }
+
+gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  return recorder.image({"G-buffer", kWords, setup.width, setup.height, 1, gbuffer_group(setup.samples),
+                         VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+}
+
+void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, gpu::Image& gbuffer,
+                    std::uint32_t group) {
+  const std::uint32_t count = gbuffer_group(setup.samples);
+  Frontend::GeometryPass geometry;
+  geometry.by_material = true;
+  geometry.fragment_opaque = "deferred/gbuffer.frag:" + std::to_string(count);
+  gpu::RasterPass& pass = geometry.pass;
+  pass.name = "gbuffer";
+  pass.pipeline.constants = common_constants(setup);
+  pass.pipeline.constants.emplace_back(4, group);
+  pass.pipeline.targets.ordered_read = count > 1;
+  pass.pipeline.targets.clear = true;
+  pass.pipeline.targets.colours.assign(count, kWords);
+  for (std::uint32_t i = 0; i < count; ++i) pass.colours.emplace_back(gbuffer, i);
+  pass.clear_colours.assign(count, {});
+  pass.bindings = {gpu::samples(0, visibility)};
+  setup.frontend.record_geometry(recorder, std::move(geometry));
+}
+
+gpu::Image& sum_image(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  return recorder.image({"sum", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
+}
+
+gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::string fragment) {
+  gpu::RasterPass pass;
+  pass.name = std::move(name);
+  pass.pipeline.vertex = "shade/fullscreen.vert";
+  pass.pipeline.fragment = std::move(fragment);
+  pass.pipeline.constants = common_constants(setup);
+  for (const auto& constant : setup.frontend.constants()) pass.pipeline.constants.push_back(constant);
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants),
+                   gpu::samples(7, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
+  return pass;
+}
+
+void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
+                           gpu::Image& gbuffer, gpu::Image& sum, std::uint32_t group) {
+  gpu::RasterPass pass = lighting_pass(setup, "shade", "shade/samples.frag");
+  pass.pipeline.constants.emplace_back(4, group);
+  pass.pipeline.constants.emplace_back(6, gbuffer_group(setup.samples));
+  pass.pipeline.targets.colours = {kFloats};
+  pass.pipeline.targets.clear = group == 0;
+  pass.pipeline.additive = true;
+  pass.colours = {{sum}};
+  pass.clear_colours = {{}};
+  pass.bindings.push_back(gpu::samples(0, visibility));
+  pass.bindings.push_back(gpu::samples(1, gbuffer));
+  recorder.raster(std::move(pass));
+}
+
+void record_resolve(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& sum) {
+  const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget,
+                                     false};
+  setup.outputs.radiance = &recorder.image(output);
+  setup.outputs.display = &recorder.image(output);
+  gpu::RasterPass pass;
+  pass.name = "resolve";
+  pass.pipeline.vertex = "shade/fullscreen.vert";
+  pass.pipeline.fragment = "shade/resolve.frag";
+  pass.pipeline.constants = common_constants(setup);
+  for (const auto& constant : setup.frontend.constants()) pass.pipeline.constants.push_back(constant);
+  pass.pipeline.targets.colours = {kFloats, kFloats};
+  pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  pass.pipeline.targets.clear = true;
+  pass.clear_colours = {{}, {}};
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::samples(0, sum)};
+  recorder.raster(std::move(pass));
+}
+
+}  // namespace subpixel::replay

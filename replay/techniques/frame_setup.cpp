@@ -1,0 +1,63 @@
+#include "replay/techniques/frame_setup.hpp"
+
+namespace subpixel::replay {
+
+Parameter samples_parameter(std::vector<double> allowed, int default_value) {
+  Parameter p;
+  p.name = "samples";
+  p.kind = ParameterKind::integer;
+  p.doc = "visibility samples per pixel";
+  p.unit = "samples";
+  p.minimum = allowed.front();
+  p.maximum = allowed.back();
+  p.allowed = std::move(allowed);
+  p.default_value = default_value;
+  return p;
+}
+
+Parameter alpha_parameter() {
+  Parameter p;
+  p.name = "alpha";
+  p.kind = ParameterKind::choice;
+  p.doc = "how alpha-tested materials decide: alpha's plane at each sample, once per fragment, or a texture read per sample";
+  p.choices = {"to_coverage", "test", "per_sample"};
+  p.default_value = "to_coverage";
+  return p;
+}
+
+Parameter resolve_parameter() {
+  Parameter p;
+  p.name = "resolve";
+  p.kind = ParameterKind::choice;
+  p.doc = "samples are averaged as linear radiance, or after the tone curve";
+  p.choices = {"linear", "tone_mapped"};
+  p.default_value = "linear";
+  return p;
+}
+
+Parameter shading_parameter() {
+  Parameter p;
+  p.name = "shading";
+  p.kind = ParameterKind::choice;
+  p.doc = "reflection model";
+  p.choices = {"ggx", "blinn_phong"};
+  p.default_value = "ggx";
+  return p;
+}
+
+gpu::Constants common_constants(const FrameSetup& setup) {
+  const std::string alpha = setup.choice("alpha");
+  return {{2, setup.choice("shading") == "blinn_phong" ? 1u : 0u},
+          {3, alpha == "test" ? 1u : alpha == "per_sample" ? 2u : 0u},
+          {5, setup.choice("resolve") == "tone_mapped" ? 1u : 0u}};
+}
+
+double fitted_surface_bits(SceneFeatures features) {
+  double bits = 24 + 32;  // albedo, normal
+  if (features.has(FEATURE_METAL)) bits += 8;
+  if (features.has(FEATURE_VARYING_ROUGHNESS)) bits += 8;
+  if (features.has(FEATURE_EMISSIVE)) bits += 32;
+  return bits;
+}
+
+}  // namespace subpixel::replay

@@ -1,0 +1,46 @@
+// What a technique gets for one frame, and what it leaves.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "replay/frontend/frontend.hpp"
+#include "replay/techniques/technique.hpp"
+
+namespace subpixel::replay {
+
+// Images the technique allocated from its recorder and filled.
+struct FrameOutputs {
+  gpu::Image* radiance = nullptr;  // RGBA32F: rgb linear radiance, a lighting executions of the pixel
+  gpu::Image* display = nullptr;   // RGBA32F: rgb display values in [0, 1]
+  // Further maps by the name of their MapDescription: R32_UINT, one value a pixel.
+  std::vector<std::pair<std::string, gpu::Image*>> maps;
+  // Counters filled by the technique's host steps while the passes run.
+  std::map<std::string, std::uint64_t> counters;
+};
+
+struct FrameSetup {
+  GpuScene& scene;
+  Frontend& frontend;
+  std::uint32_t width = 0, height = 0;
+  std::uint32_t samples = 0;
+  const ParameterValues& parameters;
+  FrameOutputs& outputs;
+
+  double number(std::string_view name) const { return parameters.at(std::string(name)).get<double>(); }
+  std::string choice(std::string_view name) const { return parameters.at(std::string(name)).get<std::string>(); }
+};
+
+// Parameters that every technique built on the front-end has.
+Parameter samples_parameter(std::vector<double> allowed, int default_value);
+Parameter alpha_parameter();
+Parameter resolve_parameter();
+Parameter shading_parameter();
+// Specialization constants those parameters set: 2 shading model, 3 alpha decision, 5 resolve.
+gpu::Constants common_constants(const FrameSetup& setup);
+
+// Bits a surface of this scene takes in a G-buffer that holds only what the scene needs, without depth.
+double fitted_surface_bits(SceneFeatures features);
+
+}  // namespace subpixel::replay

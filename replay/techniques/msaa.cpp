@@ -1,0 +1,47 @@
+// Deferred shading of n full G-buffer samples, every one of them lit: the brute force all techniques are compared with.
+// Our passes find visibility first and write attributes of visible samples only, so more than 8 samples reuse one
+// group's buffer; the paper layout is that of the whole buffer, as a device would hold it.
+#include "replay/frontend/visibility.hpp"
+#include "replay/techniques/deferred.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+MemoryLayout layout(const FrameSetup& setup) {
+  const double n = setup.samples;
+  MemoryLayout memory;
+  // 16-byte G-buffer sample and 32-bit depth, as in the tables of the papers that use it as their baseline.
+  memory.paper = {{"depth", 32 * n}, {"G-buffer samples", 128 * n}};
+  memory.fitted = {{"depth", 32 * n}, {"G-buffer samples", fitted_surface_bits(setup.scene.features()) * n}};
+  return memory;
+}
+
+void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  setup.frontend.record_setup(recorder);
+  gpu::Image& visibility = record_visibility(recorder, setup);
+  gpu::Image& gbuffer = gbuffer_image(recorder, setup);
+  gpu::Image& sum = sum_image(recorder, setup);
+  for (std::uint32_t group = 0; group < setup.samples / gbuffer_group(setup.samples); ++group) {
+    record_gbuffer(recorder, setup, visibility, gbuffer, group);
+    record_sample_shading(recorder, setup, visibility, gbuffer, sum, group);
+  }
+  record_resolve(recorder, setup, sum);
+}
+
+}  // namespace
+
+extern const Technique kNoaa, kMsaa;
+
+const Technique kNoaa{
+    "noaa", "No anti-aliasing", "", {samples_parameter({1}, 1), alpha_parameter(), resolve_parameter(), shading_parameter()},
+    {},     layout,             record};
+
+const Technique kMsaa{"msaa",
+                      "Deferred MSAA, every sample shaded",
+                      "",
+                      {samples_parameter({4, 8, 16, 32, 64}, 8), alpha_parameter(), resolve_parameter(), shading_parameter()},
+                      {},
+                      layout,
+                      record};
+
+}  // namespace subpixel::replay

@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Writes the index buffer of the hulls in submission order and where each clipped triangle's pieces go; one invocation
+// for each chunk.
+// Reads: counts, scanned sums. Writes: hull indices (3 * record + corner), piece bases.
+layout(local_size_x = 64) in;
+#include "frontend/frontend_types.h"
+
+layout(set = 0, binding = 1, scalar) readonly buffer Counts { uint counts[]; };
+layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec2 sums[]; };
+layout(set = 0, binding = 3, scalar) writeonly buffer HullIndices { uint hull_indices[]; };
+layout(set = 0, binding = 4, scalar) writeonly buffer PieceBases { uint piece_bases[]; };
+layout(push_constant, scalar) uniform Push {
+  uint chunk_count;
+  uint triangle_slots;
+  uint hull_capacity;
+} push;
+
+void main() {
+  uint chunk = gl_GlobalInvocationID.x;
+  if (chunk >= push.chunk_count) return;
+  uint out_hull = sums[chunk].x, out_piece = sums[chunk].y;
+  for (uint k = 0u; k < SUBPIXEL_CHUNK_TRIANGLES; ++k) {
+    uint slot = chunk * SUBPIXEL_CHUNK_TRIANGLES + k;
+    uint count = counts[slot];
+    bool clipped = count > 0x7fffffffu;
+    uint pieces = count & 0x7fffffffu;
+    if (clipped) piece_bases[slot] = out_piece;
+    for (uint piece = 0u; piece < pieces; ++piece) {
+      uint record = clipped ? push.triangle_slots + out_piece + piece : slot;
+      if (out_hull < push.hull_capacity) {
+        hull_indices[3u * out_hull] = 3u * record;
+        hull_indices[3u * out_hull + 1u] = 3u * record + 1u;
+        hull_indices[3u * out_hull + 2u] = 3u * record + 2u;
+      }
+      ++out_hull;
+    }
+    out_piece += clipped ? pieces : 0u;
+  }
+}

@@ -1,0 +1,119 @@
+// A fragment: what the front-end gives every geometry pass for a triangle and a pixel.
+// Reads: the flat outputs of hull.vert. Define WITH_UV for textures, WITH_ATTRIBUTES for all vertex attributes.
+#ifndef SUBPIXEL_FRAGMENT_GLSL
+#define SUBPIXEL_FRAGMENT_GLSL
+
+#include "frontend/hull_interface.glsl"
+#include "include/coverage.glsl"
+#include "include/attributes.glsl"
+#include "include/material.glsl"
+
+layout(constant_id = 0) const uint SAMPLES = 8u;
+layout(constant_id = 3) const uint ALPHA_MODE = 0u;  // 0 to_coverage, 1 test, 2 per_sample
+
+layout(set = 0, binding = 11, scalar) readonly buffer Materials { MaterialRecord materials[]; };
+
+layout(location = 0) in flat uvec4 in_v01;
+layout(location = 1) in flat uvec4 in_v2_ref;
+layout(location = 2) in flat uvec4 in_depth;
+layout(location = 3) in flat uvec4 in_ids;
+#ifdef WITH_UV
+layout(location = 4) in flat vec3 in_clip0;
+layout(location = 5) in flat vec3 in_clip1;
+layout(location = 6) in flat vec3 in_clip2;
+layout(location = 7) in flat vec4 in_uv01;
+layout(location = 8) in flat vec2 in_uv2;
+#endif
+#ifdef WITH_ATTRIBUTES
+layout(location = 9) in flat vec3 in_normal0;
+layout(location = 10) in flat vec3 in_normal1;
+layout(location = 11) in flat vec3 in_normal2;
+layout(location = 12) in flat vec4 in_tangent0;
+layout(location = 13) in flat vec4 in_tangent1;
+layout(location = 14) in flat vec4 in_tangent2;
+#endif
+
+uint fragment_triangle() { return in_ids.y; }
+
+PixelEdges fragment_edges(ivec2 pixel) {
+  return pixel_edges(ivec2(in_v01.xy), ivec2(in_v01.zw), ivec2(in_v2_ref.xy), pixel);
+}
+
+DepthPlane fragment_depth(ivec2 pixel) {
+  return depth_plane(in_depth, in_ids.x, ivec2(in_v2_ref.z & 0xffffu, in_v2_ref.z >> 16), pixel);
+}
+
+// Where attributes are evaluated, relative to the pixel's centre in pixels: the centre when the triangle covers it, else the
+// centroid of the covered samples.
+vec2 shading_offset(PixelEdges edges, uint n) {
+  if (n == 1u) return vec2(0.0);
+  vec2 sum = vec2(0.0);
+  float count = 0.0;
+  for (uint i = 0u; i < n; ++i) {
+    ivec2 offset = sample_offset(n, i);
+    float weight = covers(edges, offset) ? 1.0 : 0.0;
+    sum += weight * vec2(offset);
+    count += weight;
+  }
+  return covers(edges, ivec2(0)) ? vec2(0.0) : sum / (max(count, 1.0) * float(SUBPIXEL_SAMPLE_GRID));
+}
+
+#ifdef WITH_UV
+Weights fragment_weights(ivec2 pixel, vec2 offset) {
+  return interpolation_weights(in_clip0, in_clip1, in_clip2, vec2(pixel) + 0.5 + offset);
+}
+
+vec2 fragment_uv(vec3 weight) { return interpolate(weight, in_uv01.xy, in_uv01.zw, in_uv2); }
+
+// Rank of sample i of n in a fixed order that spreads over the pixel: which samples a translucent fragment covers first.
+uint coverage_rank(uint i) {
+  return (i * 5u + 3u) % SAMPLES;
+}
+
+// The samples of `mask` (samples [first, first + count)) that the material's alpha leaves.
+// to_coverage: alpha and its screen derivatives, measured by three texture reads, give a plane whose values at the samples are
+// compared with the cutoff; a blended material covers as many samples as its alpha says. test: one decision at the shading
+// point. per_sample: a texture read for every sample.
+uint alpha_mask(uint mask, uint first, uint count, ivec2 pixel, vec2 offset) {
+  MaterialRecord m = materials[push.material];
+  float cutoff = m.emissive_cutoff.w;
+  bool blend = (m.flags.x & MATERIAL_ALPHA_BLEND) != 0u;
+  Weights w = fragment_weights(pixel, offset);
+  vec2 uv = fragment_uv(w.value), dx = fragment_uv(w.dx), dy = fragment_uv(w.dy);
+  float alpha = material_alpha(m, uv, dx, dy);
+  if (ALPHA_MODE == 1u) return alpha >= (blend ? 0.5 : cutoff) ? mask : 0u;
+  uint left = 0u;
+  if (ALPHA_MODE == 2u) {
+    for (uint i = 0u; i < count; ++i) {
+      vec2 at = vec2(sample_offset(SAMPLES, first + i)) * (1.0 / 128.0) - offset;
+      float a = material_alpha(m, uv + dx * at.x + dy * at.y, dx, dy);
+      float threshold = blend ? (float(coverage_rank(first + i)) + 0.5) / float(SAMPLES) : cutoff;
+      left |= a >= threshold ? 1u << i : 0u;
+    }
+    return mask & left;
+  }
+  float step_x = material_alpha(m, uv + dx * 0.5, dx, dy), step_y = material_alpha(m, uv + dy * 0.5, dx, dy);
+  vec2 slope = 2.0 * (vec2(step_x, step_y) - alpha);
+  for (uint i = 0u; i < count; ++i) {
+    vec2 at = vec2(sample_offset(SAMPLES, first + i)) * (1.0 / 128.0) - offset;
+    float threshold = blend ? (float(coverage_rank(first + i)) + 0.5) / float(SAMPLES) : cutoff;
+    left |= alpha + (blend ? 0.0 : dot(slope, at)) >= threshold ? 1u << i : 0u;
+  }
+  return mask & left;
+}
+#endif
+
+#ifdef WITH_ATTRIBUTES
+// The material's surface at the shading point; all but the position.
+Surface fragment_surface(ivec2 pixel, vec2 offset) {
+  Weights w = fragment_weights(pixel, offset);
+  vec3 normal = interpolate(w.value, in_normal0, in_normal1, in_normal2);
+  normal *= inversesqrt(max(dot(normal, normal), 1e-20));
+  vec4 tangent = has_feature(FEATURE_NORMAL_MAP) ? interpolate(w.value, in_tangent0, in_tangent1, in_tangent2) : vec4(0.0);
+  Surface s;
+  s.position = vec3(0.0);
+  evaluate_material(materials[push.material], fragment_uv(w.value), fragment_uv(w.dx), fragment_uv(w.dy), normal, tangent, s);
+  return s;
+}
+#endif
+#endif
