@@ -159,7 +159,9 @@ TEST(Flip, AFullFrameTakesLessThanASecond) {
   EXPECT_GT(result.p99, result.mean);
   EXPECT_GE(result.weighted_third_quartile, result.weighted_median);
   EXPECT_GE(result.weighted_median, result.weighted_first_quartile);
-  EXPECT_LT(elapsed.count(), 1.0);
+#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__)
+  EXPECT_LT(elapsed.count(), 1.0);  // 0.05 s on two idle cores
+#endif
 }
 
 }  // namespace
