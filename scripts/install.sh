@@ -11,7 +11,7 @@ unreachable_note=build/mesa-backports-unreachable
 
 packages=(build-essential g++ cmake ninja-build pkg-config glslang-tools libvulkan-dev libcpp-httplib-dev
   nlohmann-json3-dev libopenimageio-dev libsqlite3-dev libassimp-dev libzstd-dev libxxhash-dev libspdlog-dev libfmt-dev
-  libcli11-dev libglm-dev libgtest-dev libbenchmark-dev sweethome3d-furniture)
+  libcli11-dev libglm-dev libminizip-dev libgtest-dev libbenchmark-dev sweethome3d-furniture)
 test_packages=(clang-format clang-tidy vulkan-validationlayers)
 
 say() { printf 'packages: %s\n' "$*"; }
