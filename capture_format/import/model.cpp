@@ -130,21 +130,27 @@ void add_lights(const aiScene& scene, Model& model) {
   }
 }
 
-void add_camera(const aiScene& scene, Model& model) {
+void add_camera(const aiScene& scene, bool is_gltf, Model& model) {
   if (scene.mNumCameras == 0) return;
   const aiCamera& camera = *scene.mCameras[0];
+  const aiNode* const own_node = scene.mRootNode->FindNode(camera.mName);
+  glm::dvec3 position = to_vec3(camera.mPosition);
+  // assimp 5.2 gives glTF cameras their node's translation as well as the node.
+  if (own_node != nullptr && position == glm::dvec3(to_matrix(own_node->mTransformation)[3])) position = {0, 0, 0};
   glm::dmat4 place(1.0);
-  for (const aiNode* node = scene.mRootNode->FindNode(camera.mName); node != nullptr; node = node->mParent) {
+  for (const aiNode* node = own_node; node != nullptr; node = node->mParent) {
     place = to_matrix(node->mTransformation) * place;
   }
   CameraKey key;
-  key.eye = glm::dvec3(place * glm::dvec4(to_vec3(camera.mPosition), 1));
+  key.eye = glm::dvec3(place * glm::dvec4(position, 1));
   key.target = key.eye + glm::dmat3(place) * to_vec3(camera.mLookAt);
-  // assimp has the horizontal angle, and an aspect of 0 when the file has none; the picture's own is not known here.
-  const double aspect = camera.mAspect > 0 ? camera.mAspect : 16.0 / 9.0;
-  const double half_width = std::tan(camera.mHorizontalFOV);  // importers of assimp 5.2 store half the angle
-  key.vertical_fov_degrees = std::clamp(2 * std::atan(half_width / aspect) * 180 / kPi, 5.0, 120.0);
-  model.camera = key;
+  // The whole horizontal angle, in spite of assimp's documentation. From glTF's vertical one, assimp 5.2 makes it by
+  // plain multiplication with the aspect, or with 1 without an aspect.
+  const double aspect = camera.mAspect > 0 ? camera.mAspect : 1.0;
+  const double horizontal = camera.mHorizontalFOV;
+  const double vertical = is_gltf ? horizontal / aspect : 2 * std::atan(std::tan(horizontal / 2) / aspect);
+  key.vertical_fov_degrees = std::clamp(vertical * 180 / kPi, 5.0, 120.0);
+  if (key.eye != key.target) model.camera = key;
 }
 
 void place_nodes(const aiNode& node, const glm::dmat4& parent, const std::vector<std::size_t>& part_of_mesh,
@@ -220,7 +226,7 @@ Model load_model(const AssetSource& source, const std::string& name) {
     throw InputError("can't import the model", "it has no triangles", source.describe(name));
   }
   add_lights(*scene, model);
-  add_camera(*scene, model);
+  add_camera(*scene, name.ends_with(".gltf") || name.ends_with(".glb"), model);
   find_bounds(model);
   return model;
 }

@@ -1,0 +1,247 @@
+// The validator's notes, the recorder's contract, the summary, cameras and meshes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <map>
+
+#include "capture_format/camera.hpp"
+#include "capture_format/checks.hpp"
+#include "capture_format/mesh.hpp"
+#include "capture_format/recorder.hpp"
+#include "capture_format/summary.hpp"
+#include "capture_format/validator.hpp"
+#include "capture_format/writer.hpp"
+#include "tests/unit/capture_fixture.hpp"
+
+namespace subpixel::capture {
+namespace {
+
+std::size_t count(const std::vector<Problem>& problems, Problem::Severity severity, std::string_view text) {
+  std::size_t found = 0;
+  for (const Problem& problem : problems) {
+    found +=
+        problem.severity == severity && (problem.where + ": " + problem.why).find(text) != std::string::npos ? 1 : 0;
+  }
+  return found;
+}
+
+TEST(CaptureValidator, FindsNothingWrongWithAGoodCapture) {
+  const std::vector<Problem> problems = validate_capture(small_capture());
+  EXPECT_EQ(count(problems, Problem::Severity::error, ""), 0u);
+  EXPECT_EQ(count(problems, Problem::Severity::note, "frame 1: no draw calls"), 1u);
+}
+
+TEST(CaptureValidator, NotesOddVerticesButTakesThem) {
+  Capture capture = small_capture();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(capture.buffers[0].bytes.data() + 20, &nan, sizeof nan);
+  capture.buffers[0].bytes[14] = std::byte{0};
+  const std::vector<Problem> problems = validate_capture(capture);
+  EXPECT_EQ(count(problems, Problem::Severity::error, ""), 0u);
+  EXPECT_EQ(count(problems, Problem::Severity::note, "field position: 1 of its vertices are not finite"), 2u);
+  EXPECT_EQ(count(problems, Problem::Severity::note, "field normal: 1 of its normals have no direction"), 1u);
+  EXPECT_EQ(refusal(encode_capture(capture)), "");
+}
+
+TEST(CaptureValidator, CollectsEveryBrokenRule) {
+  Capture capture = small_capture();
+  capture.metadata.metres_per_unit = 0;
+  capture.materials[0].roughness = 2;
+  capture.frames[0].view = {};
+  capture.frames[0].draws[0].position.buffer = 99;
+  capture.frames[0].draws[1].transform[0] = std::numeric_limits<float>::infinity();
+  capture.frames[1].point_lights = {PointLight{{0, 0, 0}, {-1, 0, 0}, 0}};
+  const std::vector<Problem> problems = validate_capture(capture);
+  for (const char* text :
+       {"metadata, field metres_per_unit", "material 0, field roughness", "frame 0, field view: singular",
+        "draw 0 (indexed), field position.buffer", "draw 1 (list), field transform",
+        "point_lights[0].intensity: negative", "point_lights[0].range"}) {
+    EXPECT_EQ(count(problems, Problem::Severity::error, text), 1u) << text;
+  }
+}
+
+TEST(CaptureValidator, StopsAtAThousand) {
+  Capture capture;
+  capture.materials.resize(5000);
+  for (Material& material : capture.materials) material.metallic = -1;
+  EXPECT_EQ(validate_capture(capture).size(), 1000u);
+}
+
+TEST(CaptureWriter, RefusesWhatTheReaderWould) {
+  Capture capture = small_capture();
+  capture.frames[0].draws[0].index_offset = 0;
+  try {
+    encode_capture(capture);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("frame 0, draw 0, field index_buffer"), std::string::npos) << error.what();
+  }
+}
+
+TEST(CaptureChecks, Utf8) {
+  for (const char* good : {"", "plain", "\xc3\xa4", "\xe2\x82\xac", "\xf0\x9f\x8c\xb3", "\xed\x9f\xbf"}) {
+    EXPECT_TRUE(is_utf8(good)) << good;
+  }
+  // A lone continuation, an overlong form, a surrogate, beyond Unicode, sequences cut short.
+  for (const char* bad :
+       {"\x80", "\xc0\xaf", "\xe0\x80\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xc3", "\xe2\x82", "a\xff"}) {
+    EXPECT_FALSE(is_utf8(bad)) << bad;
+  }
+}
+
+TEST(CaptureRecorder, MakesTheSameCapture) {
+  const Capture wanted = small_capture();
+  Recorder recorder(wanted.metadata);
+  for (const Buffer& buffer : wanted.buffers) recorder.add_buffer(buffer.name, buffer.bytes);
+  EXPECT_EQ(recorder.capture().buffers.size(), 4u) << "equal buffers are one";
+  for (const Texture& texture : wanted.textures) recorder.add_texture(texture);
+  EXPECT_EQ(recorder.add_texture(wanted.textures[0]), 0u);
+  for (const Material& material : wanted.materials) recorder.add_material(material);
+  for (const Frame& frame : wanted.frames) {
+    Frame head = frame;
+    head.draws.clear();
+    recorder.begin_frame(head);
+    for (Draw draw : frame.draws) {
+      if (draw.uv.buffer == 3) draw.uv.buffer = 0;
+      recorder.draw(draw);
+    }
+    recorder.end_frame();
+  }
+  EXPECT_EQ(recorder.capture().frames.size(), 2u);
+  EXPECT_EQ(refusal(encode_capture(recorder.capture())), "");
+  const Capture taken = recorder.take();
+  EXPECT_EQ(taken.frames[0].draws.size(), 2u);
+  EXPECT_TRUE(recorder.capture().frames.empty());
+}
+
+TEST(CaptureRecorder, RefusesAtTheCallAndGoesOn) {
+  Recorder recorder(Metadata{});
+  EXPECT_THROW(recorder.draw(Draw{}), UsageError);
+  EXPECT_THROW(recorder.end_frame(), UsageError);
+  Frame negative;
+  negative.exposure = -1;
+  EXPECT_THROW(recorder.begin_frame(negative), UsageError);
+  Material material;
+  material.base_colour_texture = 0;
+  EXPECT_THROW(recorder.add_material(material), UsageError);
+  recorder.begin_frame(Frame{});
+  EXPECT_THROW(recorder.begin_frame(Frame{}), UsageError);
+  EXPECT_THROW(recorder.save("never"), UsageError);
+  try {
+    recorder.draw(Draw{});
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_EQ(std::string(error.what()), "can't record the draw: 0 is not below 0: field material");
+  }
+  recorder.end_frame();
+  EXPECT_EQ(recorder.capture().frames.size(), 1u);
+}
+
+TEST(CaptureSummary, CountsAndNamesFeatures) {
+  const nlohmann::json summary = summarize(small_capture(), "abc", 123);
+  EXPECT_EQ(summary["frame_count"], 2);
+  EXPECT_EQ(summary["width"], 64);
+  EXPECT_EQ(summary["triangles"], 5);
+  EXPECT_EQ(summary["draws"], 2);
+  EXPECT_EQ(summary["point_lights"], 2);
+  EXPECT_EQ(summary["hash"], "abc");
+  EXPECT_EQ(summary["features"], (nlohmann::json{"textures", "alpha test", "normal maps", "emissive", "two-sided",
+                                                 "instancing", "shadows"}));
+  EXPECT_EQ(summary["frames"][1]["draws"], 0);
+  EXPECT_TRUE(used_features(Capture{}).empty());
+}
+
+TEST(CaptureCamera, SineIsTheMachinesToElevenDigits) {
+  for (int i = -100000; i <= 100000; ++i) {
+    const double x = i * 0.0137;
+    ASSERT_NEAR(sine(x), std::sin(x), 1e-12) << x;
+    ASSERT_NEAR(cosine(x), std::cos(x), 1e-12) << x;
+  }
+  EXPECT_EQ(sine(0), 0.0);
+  EXPECT_EQ(cosine(0), 1.0);
+}
+
+TEST(CaptureCamera, ProjectionIsReversedAndPointsDown) {
+  const glm::dmat4 projection = perspective(90, 2, 0.1);
+  const glm::dvec4 near = projection * glm::dvec4(0, 0, -0.1, 1);
+  EXPECT_NEAR(near.z / near.w, 1, 1e-12);
+  const glm::dvec4 corner = projection * glm::dvec4(20, 10, -10, 1);
+  EXPECT_NEAR(corner.x / corner.w, 1, 1e-12);
+  EXPECT_NEAR(corner.y / corner.w, -1, 1e-12);
+  EXPECT_NEAR(corner.z / corner.w, 0.01, 1e-12);
+}
+
+TEST(CaptureCamera, LooksAtItsTarget) {
+  for (const glm::dvec3 target : {glm::dvec3(1, 2, -5), {0, 9, 0.001}, {4, -9, 3}}) {
+    const glm::dvec3 eye(0.5, 1, 2);
+    const glm::dmat4 view = look_at(eye, target);
+    const glm::dvec4 seen = view * glm::dvec4(target, 1);
+    EXPECT_NEAR(seen.x, 0, 1e-12);
+    EXPECT_NEAR(seen.y, 0, 1e-12);
+    EXPECT_NEAR(seen.z, -glm::length(target - eye), 1e-12);
+    EXPECT_NEAR(glm::determinant(view), 1, 1e-12);
+  }
+}
+
+TEST(CaptureCamera, PathPassesItsKeysWithoutCorners) {
+  const CameraPath path(
+      {{0, {0, 0, 0}, {0, 0, -1}, 50}, {1, {1, 0, 0}, {0, 1, -1}, 50}, {3, {1, 4, 0}, {0, 0, -2}, 60}});
+  EXPECT_EQ(path.at(-1).eye, glm::dvec3(0, 0, 0));
+  EXPECT_EQ(path.at(9).eye, glm::dvec3(1, 4, 0));
+  EXPECT_NEAR(glm::length(path.at(1).eye - glm::dvec3(1, 0, 0)), 0, 1e-12);
+  constexpr double kStep = 1e-5;
+  const glm::dvec3 before = (path.at(1).eye - path.at(1 - kStep).eye) / kStep;
+  const glm::dvec3 after = (path.at(1 + kStep).eye - path.at(1).eye) / kStep;
+  EXPECT_NEAR(glm::length(before - after), 0, 1e-3);
+}
+
+// Each edge of a closed mesh is walked once in each direction, by position.
+bool is_closed(const Mesh& mesh) {
+  std::map<std::array<double, 6>, int> edges;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3& a = mesh.positions[mesh.indices[i + k]];
+      const glm::dvec3& b = mesh.positions[mesh.indices[i + (k + 1) % 3]];
+      ++edges[{a.x, a.y, a.z, b.x, b.y, b.z}];
+      --edges[{b.x, b.y, b.z, a.x, a.y, a.z}];
+    }
+  }
+  return std::all_of(edges.begin(), edges.end(), [](const auto& edge) { return edge.second == 0; });
+}
+
+TEST(CaptureMesh, SolidsAreClosedAndFaceOutwards) {
+  Mesh box;
+  add_box(box, {-1, -2, -3}, {1, 2, 3});
+  Mesh sphere;
+  add_sphere(sphere, {0, 0, 0}, 2, 8);
+  Mesh bar;
+  add_bar(bar, {0, -1, 0}, {0.5, 1, 0.2}, 0.3, 7);
+  for (const Mesh* mesh : {&box, &sphere, &bar}) {
+    EXPECT_TRUE(is_closed(*mesh));
+    double volume = 0;  // positive when the faces are counter-clockwise from outside
+    for (std::size_t i = 0; i < mesh->indices.size(); i += 3) {
+      const glm::dvec3& a = mesh->positions[mesh->indices[i]];
+      const glm::dvec3& b = mesh->positions[mesh->indices[i + 1]];
+      const glm::dvec3& c = mesh->positions[mesh->indices[i + 2]];
+      volume += glm::dot(a, glm::cross(b, c)) / 6;
+      EXPECT_GT(glm::dot(glm::cross(b - a, c - a), mesh->normals[mesh->indices[i]]), 0) << "against its normal";
+    }
+    EXPECT_GT(volume, 0.1);
+  }
+}
+
+TEST(CaptureMesh, TangentsFollowTheTexture) {
+  Mesh mesh;
+  add_quad(mesh, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  compute_tangents(mesh);
+  for (const glm::dvec4& tangent : mesh.tangents) {
+    EXPECT_NEAR(glm::length(glm::dvec3(tangent) - glm::dvec3(1, 0, 0)), 0, 1e-12);
+    EXPECT_EQ(tangent.w, 1.0) << "cross(normal, tangent) is up the image";
+  }
+}
+
+}  // namespace
+}  // namespace subpixel::capture

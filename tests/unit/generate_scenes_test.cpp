@@ -1,0 +1,147 @@
+// The procedural scenes: the same bytes for the same options, sound captures, frames that move a little.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "capture_format/camera.hpp"
+#include "capture_format/error.hpp"
+#include "capture_format/generate/generate.hpp"
+#include "capture_format/generate/random.hpp"
+#include "capture_format/generate/textures.hpp"
+#include "capture_format/hash.hpp"
+#include "capture_format/reader.hpp"
+#include "capture_format/streams.hpp"
+#include "capture_format/validator.hpp"
+#include "capture_format/writer.hpp"
+
+namespace subpixel::capture {
+namespace {
+
+GenerateOptions small_options() {
+  return {.frames = 2, .width = 64, .height = 36, .seed = 7, .density = 0.05};
+}
+
+std::string hash_of(std::string_view scene, const GenerateOptions& options) {
+  return content_hash_hex(encode_capture(generate(scene, options), {.zstd_level = 0}));
+}
+
+class GeneratedScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(GeneratedScene, IsASoundCapture) {
+  const Capture capture = generate(GetParam(), small_options());
+  ASSERT_EQ(capture.frames.size(), 2u);
+  EXPECT_EQ(capture.frames[0].width, 64u);
+  EXPECT_EQ(capture.frames[0].height, 36u);
+  for (const Problem& problem : validate_capture(capture)) {
+    if (GetParam() == "empty" && problem.why == "no draw calls") continue;
+    ADD_FAILURE() << problem.where << ": " << problem.why;
+  }
+  EXPECT_EQ(encode_capture(decode_capture(encode_capture(capture))), encode_capture(capture));
+}
+
+TEST_P(GeneratedScene, IsTheSameEveryTime) {
+  EXPECT_EQ(hash_of(GetParam(), small_options()), hash_of(GetParam(), small_options()));
+}
+
+TEST_P(GeneratedScene, MovesFromFrameToFrame) {
+  const Capture capture = generate(GetParam(), small_options());
+  EXPECT_NE(capture.frames[0].view, capture.frames[1].view);
+  for (std::size_t i = 12; i < 15; ++i) EXPECT_NEAR(capture.frames[0].view[i], capture.frames[1].view[i], 0.2);
+}
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const SceneInfo& scene : list_scenes()) names.emplace_back(scene.name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, GeneratedScene, testing::ValuesIn(scene_names()),
+                         [](const auto& scene) { return scene.param; });
+
+// The bytes of other machines: a change here is a change of every capture made with these names, and wants a new number
+// of the generator in scene_metadata.hpp.
+TEST(GenerateScenes, GoldenBytes) {
+  const std::pair<const char*, const char*> golden[] = {
+      {"grass", "1c8eb530c229c22b452669d075e8d98c"},    {"city", "295672e9b45a6d616af7b9588369e810"},
+      {"triangle", "87e868ce266f6d65bc07295076d8ac40"}, {"empty", "a4cb0b2b637906f8f01ec123d5474bd9"},
+      {"cube", "16c1c0ffe9bde70e9bc35946f438a7f0"},     {"quads", "c6939e0bc1e261a3751cd21060273ed5"},
+      {"spheres", "dc61fca93375163fa92343c88321f3a2"},
+  };
+  for (const auto& [scene, hash] : golden) EXPECT_EQ(hash_of(scene, small_options()), hash) << scene;
+}
+
+TEST(GenerateScenes, SeedAndDensityCount) {
+  GenerateOptions options = small_options();
+  const std::string one = hash_of("grass", options);
+  options.seed = 8;
+  EXPECT_NE(hash_of("grass", options), one);
+  options = small_options();
+  options.density = 0.2;
+  EXPECT_NE(hash_of("grass", options), one);
+}
+
+std::uint64_t triangles(const Capture& capture) {
+  std::uint64_t sum = 0;
+  for (const Draw& draw : capture.frames[0].draws) sum += triangle_count(draw);
+  return sum;
+}
+
+TEST(GenerateScenes, FullSizesAreAsDocumented) {
+  const Capture grass = generate("grass", {.frames = 1});
+  EXPECT_NEAR(static_cast<double>(triangles(grass)), 260e3, 15e3);
+  EXPECT_EQ(grass.frames[0].point_lights.size(), 32u);
+  EXPECT_TRUE(grass.frames[0].sun && grass.frames[0].sun->shadows);
+  const Capture city = generate("city", {.frames = 1});
+  EXPECT_GT(triangles(city), 150000u);
+  EXPECT_EQ(city.frames[0].point_lights.size(), 32u);
+  EXPECT_GT(city.frames[0].draws.size(), 100u) << "a stream of draws";
+}
+
+TEST(GenerateScenes, WrongRequestsAreNamed) {
+  const auto message = [](std::string_view scene, const GenerateOptions& options) -> std::string {
+    try {
+      generate(scene, options);
+      return "";
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_NE(message("gras", {}).find("unknown scene 'gras': the scenes are grass, city,"), std::string::npos);
+  EXPECT_NE(message("cube", {.frames = 0}).find("0 is outside 1 to 65536: frames"), std::string::npos);
+  EXPECT_NE(message("cube", {.width = 0}).find("width"), std::string::npos);
+  EXPECT_NE(message("cube", {.height = 16385}).find("16385 is outside 1 to 16384: height"), std::string::npos);
+  EXPECT_NE(message("cube", {.density = std::nan("")}).find("density"), std::string::npos);
+}
+
+TEST(GenerateScenes, RandomIsSplitMix64) {
+  Random random(1234567);  // the first values of the published reference implementation
+  EXPECT_EQ(random.next(), 6457827717110365317u);
+  EXPECT_EQ(random.next(), 3203168211198807973u);
+  EXPECT_EQ(random.next(), 9817491932198370423u);
+  for (int i = 0; i < 1000; ++i) EXPECT_LT(random.below(7), 7u);
+}
+
+TEST(GenerateScenes, NoiseRepeatsWithItsPeriod) {
+  for (int i = 0; i < 50; ++i) {
+    const double x = i * 0.37;
+    EXPECT_NEAR(tileable_noise(x, 0.2, 8, 4, 3), tileable_noise(x + 8, 0.2, 8, 4, 3), 1e-9);
+    EXPECT_NEAR(tileable_noise(0.2, x, 8, 4, 3), tileable_noise(0.2, x + 8, 8, 4, 3), 1e-9);
+  }
+}
+
+TEST(GenerateScenes, LeafTexturesHaveHolesAndLeaves) {
+  const Texture leaf = leaf_texture("leaf", 64, {80, 140, 50}, 3);
+  std::set<std::uint8_t> alphas;
+  std::size_t covered = 0;
+  for (std::size_t i = 3; i < leaf.bytes.size(); i += 4) {
+    alphas.insert(std::to_integer<std::uint8_t>(leaf.bytes[i]));
+    covered += leaf.bytes[i] == std::byte{255} ? 1 : 0;
+  }
+  EXPECT_EQ(alphas, (std::set<std::uint8_t>{0, 255}));
+  EXPECT_GT(covered, 64u * 64 / 5);
+  EXPECT_LT(covered, 64u * 64 * 4 / 5);
+}
+
+}  // namespace
+}  // namespace subpixel::capture
