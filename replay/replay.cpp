@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <map>
 
 #include "capture_format/error.hpp"
 #include "capture_format/hash.hpp"
@@ -86,18 +87,30 @@ Downloaded download_colour(gpu::Device& device, gpu::Image& image, Encoding enco
   return result;
 }
 
+// Shading model and whether samples are tone-mapped: techniques that differ in them have different references.
+using ReferenceKind = std::pair<std::uint32_t, bool>;
+struct Reference {
+  ReferenceImage image;
+  std::string file;
+};
+
+ReferenceKind reference_kind(const PlannedTechnique& planned) {
+  return {planned.parameters.at("shading") == "blinn_phong" ? 1u : 0u, planned.parameters.at("resolve") == "tone_mapped"};
+}
+
 class Replay {
  public:
   Replay(const ReplayJob& job, const ReplayEvents& events)
       : job_(job), options_(job.options), events_(events), planned_(plan(job.options)),
-        capture_(capture::read_capture(job.capture)), device_({}) {}
+        capture_(capture::read_capture(job.capture)) {}
 
   Results run();
 
  private:
   void make_head();
   void run_frame(std::uint32_t frame, std::uint32_t index, std::uint32_t count);
-  void find_reference(std::uint32_t frame);
+  // The current frame's reference for a technique's shading model and resolve; null without references.
+  const Reference* reference_for(std::uint32_t frame, const PlannedTechnique& planned);
   FrameResult run_technique(std::uint32_t frame, std::size_t which);
   void measure(FrameResult& result, FrameSetup& setup, std::size_t which);
   bool skipped(std::uint32_t frame, std::size_t which) const;
@@ -119,11 +132,8 @@ class Replay {
   std::unique_ptr<Frontend> frontend_;
   std::uint32_t width_ = 0, height_ = 0;
   ResultsHead head_;
-  std::optional<ReferenceImage> reference_;
-  std::string reference_file_;
-  // Display images of the frame before, for flicker: the reference's and each technique's.
-  Image reference_before_;
-  std::vector<Image> before_;
+  std::map<ReferenceKind, Reference> references_, references_before_;  // of this frame and the one before
+  std::vector<Image> before_;                                          // each technique's image of the frame before
   std::optional<std::uint32_t> frame_before_;
 };
 
@@ -179,7 +189,7 @@ Results Replay::run() {
       if (!skipped(frame, which)) wanted.push_back(which);
     if (wanted.empty()) continue;
     scene_->set_frame(frame, width_, height_);
-    find_reference(frame);
+    references_.clear();
     for (const std::size_t which : wanted) {
       const auto total = static_cast<std::uint32_t>((last - first + 1) * planned_.size());
       const auto done = static_cast<std::uint32_t>((frame - first) * planned_.size() + which);
@@ -188,7 +198,7 @@ Results Replay::run() {
       if (events_.result) events_.result(result);
       results.results.push_back(std::move(result));
     }
-    if (reference_) reference_before_ = reference_->display;
+    references_before_ = std::move(references_);
     frame_before_ = frame;
   }
   head_.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
@@ -198,16 +208,24 @@ Results Replay::run() {
   return results;
 }
 
-void Replay::find_reference(std::uint32_t frame) {
-  reference_.reset();
-  if (options_.reference_samples == 0) return;
+const Reference* Replay::reference_for(std::uint32_t frame, const PlannedTechnique& planned) {
+  if (options_.reference_samples == 0) return nullptr;
+  const ReferenceKind kind = reference_kind(planned);
+  const auto found = references_.find(kind);
+  if (found != references_.end()) return &found->second;
   ReferenceOptions wanted;
   wanted.samples = options_.reference_samples;
+  wanted.shading_model = kind.first;
+  wanted.tone_map_samples = kind.second;
   const auto report = [&](std::uint32_t done, std::uint32_t total) {
     progress("reference", done, total, fmt::format("frame {}", frame));
   };
-  reference_ = cached_reference(job_.cache_dir, head_.capture_hash, frame, device_, *scene_, wanted, report);
-  reference_file_ = write_png(fmt::format("frame{:04}_reference.png", frame), reference_->display);
+  CachedReference cached = cached_reference(device_, *scene_, head_.capture_hash, frame, wanted,
+                                            ReferenceCache(job_.cache_dir), report);
+  if (!cached.store_error.empty()) progress("reference", 1, 1, "not cached: " + cached.store_error);
+  Reference reference{std::move(cached.image), fmt::format("frame{:04}_reference{}.png", frame, references_.size())};
+  write_png(reference.file, reference.image.display);
+  return &references_.emplace(kind, std::move(reference)).first->second;
 }
 
 FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
@@ -294,19 +312,22 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which) 
       result.counters[name] = total;
     }
   }
-  if (!reference_) return;
-
-  result.images["reference"] = reference_file_;
-  result.error.mse = mse(reference_->display, display);
+  const Reference* reference = reference_for(result.frame, planned_[which]);
+  if (!reference) return;
+  const ReferenceImage& truth = reference->image;
+  result.images["reference"] = reference->file;
+  result.error.mse = mse(truth.display, display);
   result.error.psnr_db = psnr_db(result.error.mse);
-  result.error.hdr_rel_mse = hdr_relative_mse(reference_->linear, radiance.colour);
-  const FlipResult perceived = flip(reference_->display, display);
+  result.error.hdr_rel_mse = hdr_relative_mse(truth.linear, radiance.colour);
+  const FlipResult perceived = flip(truth.display, display);
   result.error.flip_mean = perceived.mean;
   result.error.flip_p99 = perceived.p99;
   result.error.flip_max = perceived.maximum;
-  if (frame_before_ && *frame_before_ + 1 == result.frame && before_[which].width != 0)
-    result.error.flicker = flicker(reference_before_, reference_->display, before_[which], display);
-  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(reference_->display, display)).image);
+  const auto truth_before = references_before_.find(reference_kind(planned_[which]));
+  if (frame_before_ && *frame_before_ + 1 == result.frame && before_[which].width != 0 &&
+      truth_before != references_before_.end())
+    result.error.flicker = flicker(truth_before->second.image.display, truth.display, before_[which], display);
+  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(truth.display, display)).image);
   before_[which] = std::move(display);
 }
 
