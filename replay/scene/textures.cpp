@@ -44,6 +44,9 @@ Mipmaps decode_file(const capture::Texture& texture) {
   OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(texture.bytes.data()), texture.bytes.size());
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
+  // Readers that are closed and opened again while their type is found out forget the argument, not the attribute.
+  OIIO::Filesystem::IOProxy* proxy = &memory;
+  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   const std::string name = "texture." + format_extension(texture);
   auto input = OIIO::ImageInput::open(name, &config, &memory);
   if (!input) throw InputError(title(texture), "can't be decoded: " + OIIO::geterror(), name);
