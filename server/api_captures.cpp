@@ -146,10 +146,13 @@ void Api::send_capture_file(const std::string& hash, Response& response) const {
   const std::optional<CaptureRecord> capture = store_.capture(hash);
   if (!capture) throw no_capture(hash);
   struct File {
-    int fd;
+    explicit File(const std::filesystem::path& path) : fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
     ~File() { ::close(fd); }
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    int fd;
   };
-  const auto file = std::make_shared<File>(File{::open(folder_.capture(hash).c_str(), O_RDONLY | O_CLOEXEC)});
+  const auto file = std::make_shared<const File>(folder_.capture(hash));
   struct stat status {};
   if (file->fd < 0 || ::fstat(file->fd, &status) != 0) {
     throw HttpError(500, "the capture can't be read", "its file is missing", hash);

@@ -12,6 +12,7 @@
 #include <array>
 #include <charconv>
 #include <cstring>
+#include <optional>
 
 namespace subpixel::server {
 namespace {
@@ -198,13 +199,17 @@ class LimitedStream final : public httplib::Stream {
   Clock::time_point header_deadline_;
 };
 
-// The length of the body that follows a header. Chunked bodies are refused by the router (411), so none is read here.
-std::uint64_t declared_length(const httplib::Request& request) {
-  if (request.has_header("Transfer-Encoding")) return 0;
+// The length of the body that follows a header, 0 without one; nothing when it can't be told. What follows such a
+// header must not be read, neither as a body nor as the next request.
+std::optional<std::uint64_t> declared_length(const httplib::Request& request) {
+  if (request.has_header("Transfer-Encoding")) return std::nullopt;
+  const std::size_t lengths = request.get_header_value_count("Content-Length");
+  if (lengths != 1) return lengths == 0 ? std::optional<std::uint64_t>(0) : std::nullopt;
   const std::string text = request.get_header_value("Content-Length");
   std::uint64_t length = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
-  return error == std::errc() && end == text.data() + text.size() ? length : 0;
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return length;
 }
 
 }  // namespace
@@ -229,19 +234,20 @@ bool HttpServer::process_and_close_socket(socket_t socket) {
   bool served = false;
   for (std::size_t request = 1; request <= kRequestsPerConnection && stream->wait_for_request(); ++request) {
     stream->begin_header();
-    bool closed = false, upload = false;
+    bool closed = false, last = false;
     served = process_request(*stream, request == kRequestsPerConnection, closed, [&](httplib::Request& parsed) {
-      stream->begin_body(declared_length(parsed));
+      const std::optional<std::uint64_t> length = declared_length(parsed);
+      stream->begin_body(length.value_or(0));
       parsed.ranges.clear();  // ranges of blobs and captures are not offered; the whole is always an allowed answer
-      upload = stream->body_left() > kSmallBodyBytes;
-      if (upload) {
+      last = !length || *length > kSmallBodyBytes;
+      if (last) {
         parsed.headers.erase("Connection");
         parsed.set_header("Connection", "close");
       }
     });
     if (stream->overrun() != LimitedStream::Overrun::none) stream->refuse();
     // What is left of a header or body would be read as the next request.
-    if (!served || closed || upload || !stream->header_complete() || stream->body_left() > 0) break;
+    if (!served || closed || last || !stream->header_complete() || stream->body_left() > 0) break;
   }
   stream->linger();
   ::close(socket);

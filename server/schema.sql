@@ -21,7 +21,7 @@ CREATE TABLE captures (
   frame_count INTEGER NOT NULL,
   width INTEGER NOT NULL,    -- of the first frame, as recorded
   height INTEGER NOT NULL,
-  triangles INTEGER NOT NULL,  -- of the first frame
+  triangles INTEGER NOT NULL,  -- of the frame that has most
   summary TEXT NOT NULL,     -- JSON: what `subpixel info --json` says
   thumbnail TEXT REFERENCES blobs (hash)
 ) STRICT;

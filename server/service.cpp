@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <thread>
+
 #include "capture_format/error.hpp"
 #include "server/api.hpp"
 #include "server/data_folder.hpp"
@@ -25,6 +30,9 @@ struct Service::State {
   HttpServer http;
   Api api;
   int port = 0;
+  std::mutex mutex;  // guards the next two
+  bool started = false, stop_requested = false;
+  std::atomic<bool> ended{false};  // listening is over
 };
 
 Service::Service(ServiceOptions options) : state_(std::make_unique<State>(std::move(options))) {
@@ -47,16 +55,30 @@ int Service::port() const {
 
 void Service::run() {
   State& s = *state_;
+  {
+    const std::lock_guard lock(s.mutex);
+    if (s.stop_requested) return;
+    s.started = true;
+  }
   s.queue.start();
   s.http.listen_after_bind();
+  s.ended = true;
   s.events.close();
   s.queue.stop();
 }
 
 void Service::stop() {
-  state_->api.stop();
-  state_->events.close();
-  state_->http.shut_down();
+  State& s = *state_;
+  {
+    const std::lock_guard lock(s.mutex);
+    s.stop_requested = true;
+    if (!s.started) return;
+  }
+  s.api.stop();
+  s.events.close();
+  // The library forgets a stop that comes before it listens.
+  while (!s.http.is_running() && !s.ended) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  s.http.shut_down();
 }
 
 }  // namespace subpixel::server

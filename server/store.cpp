@@ -139,10 +139,9 @@ Store::Deletion Store::delete_capture(std::string_view hash) {
   const std::lock_guard lock(write_mutex_);
   Transaction transaction(writer_);
   {
-    // A thumbnail is the service's own wish and no reason to refuse: it goes with its capture.
-    Statement active(writer_,
-                     "SELECT 1 FROM runs WHERE capture = ? AND (status = 'running' OR (status = 'queued' AND kind = "
-                     "'run')) LIMIT 1");
+    // A thumbnail is the service's own wish and no reason to refuse; add_result() copes with its run being gone.
+    Statement active(
+        writer_, "SELECT 1 FROM runs WHERE capture = ? AND kind = 'run' AND status IN ('queued', 'running') LIMIT 1");
     active.bind(hash);
     if (active.step()) return Deletion::in_use;
   }

@@ -26,7 +26,7 @@ struct CaptureRecord {
   std::string uploaded_utc;
   std::string title;
   std::uint32_t frame_count = 0, width = 0, height = 0;
-  std::uint64_t triangles = 0;           // of the first frame
+  std::uint64_t triangles = 0;  // of the frame that has most
   nlohmann::json summary;                // of `subpixel info --json`
   std::optional<std::string> thumbnail;  // blob hash
 };
@@ -105,7 +105,8 @@ class Store {
   void set_head(std::int64_t id, const nlohmann::json& head);
 
   // One commit: the result, its pass times, its images as blobs. `images`: bytes and media type by role; the stored
-  // document names them by hash. Returns false, storing nothing, when this frame and technique are stored already.
+  // document names them by hash. Returns false, storing nothing, when this frame and technique are stored already
+  // or the run was deleted.
   bool add_result(std::int64_t run, std::uint32_t technique_ordinal, const replay::FrameResult& result,
                   const std::map<std::string, Blob>& images);
   // (frame, technique ordinal) of every stored result, the form of ReplayOptions::skip.

@@ -229,9 +229,11 @@ bool Store::add_result(std::int64_t run, std::uint32_t technique_ordinal, const 
   const std::lock_guard lock(write_mutex_);
   Transaction transaction(writer_);
   {
-    Statement present(writer_, "SELECT 1 FROM frame_results WHERE run = ? AND frame = ? AND technique_ordinal = ?");
-    present.bind(run).bind(std::int64_t{result.frame}).bind(std::int64_t{technique_ordinal});
-    if (present.step()) return false;
+    Statement wanted(writer_,
+                     "SELECT 1 FROM runs WHERE id = ?1 AND NOT EXISTS (SELECT 1 FROM frame_results WHERE run = ?1 AND "
+                     "frame = ? AND technique_ordinal = ?)");
+    wanted.bind(run).bind(std::int64_t{result.frame}).bind(std::int64_t{technique_ordinal});
+    if (!wanted.step()) return false;
   }
   replay::FrameResult stored = result;
   stored.images.clear();

@@ -114,8 +114,9 @@ void WorkerSession::take_result(const json& document) {
     std::filesystem::remove(out_dir_ / file, ignored);
   }
   if (run_.kind == RunKind::thumbnail && images.contains("image")) {
-    const std::vector<StoredResult> stored = store_.results(run_.id);
-    store_.set_thumbnail(run_.capture, stored.back().document.at("images").at("image").get<std::string>());
+    for (const StoredResult& stored : store_.results(run_.id)) {
+      store_.set_thumbnail(run_.capture, stored.document.at("images").at("image").get<std::string>());
+    }
   }
   events_.changed(run_.id);
 }

@@ -22,7 +22,7 @@ export async function capturePage(hash) {
   }}, 'Delete');
   const problem = h('p.problem', {role: 'alert'});
   const facts = [
-    ['file', capture.name], ['frames', count(capture.frame_count)], ['triangles, first frame', count(capture.triangles)],
+    ['file', capture.name], ['frames', count(capture.frame_count)], ['triangles, fullest frame', count(capture.triangles)],
     ['recorded at', `${capture.width}×${capture.height}`], ['size', bytes(capture.size_bytes)],
     ['uploaded', when(capture.uploaded_utc)], ['content hash', capture.hash],
   ];

@@ -58,6 +58,7 @@ export class ComparisonView {
   #scale = 1;     // CSS pixels per image pixel
   #centre = null; // image coordinates in the middle of the canvas; null: fit
   #turn = 0;
+  #pointer = {x: -1, y: -1};  // where it was last over the canvas
   #resize = new ResizeObserver(() => this.#draw());
 
   constructor() {
@@ -100,6 +101,7 @@ export class ComparisonView {
     this.#canvas.setAttribute('aria-label', right ? `${left.label} against ${right.label}` : left.label);
     this.element.dataset.shown = left.url;  // tells tests that the images are on the screen
     this.#setWipe(this.#share);
+    this.#read(this.#pointer);
   }
 
   #size() {
@@ -264,6 +266,7 @@ export class ComparisonView {
   // Says what the images hold at a place of the canvas.
   #read({x, y}) {
     if (!this.#left) return;
+    this.#pointer = {x, y};
     const place = this.#placement();
     const px = Math.floor((x - place.x) / place.scale);
     const py = Math.floor((y - place.y) / place.scale);

@@ -45,10 +45,9 @@ function parameterHint(parameter) {
 // One technique with its parameters. A technique can be there several times with different parameters.
 function variant(technique, runSamples, onRemove) {
   const controls = technique.parameters.map((parameter) => ({parameter, ...parameterControl(parameter, runSamples)}));
-  const element = h('div.variant', {},
-    controls.map(({parameter, element: control}) =>
-      field(`${parameter.name}${parameter.unit ? ` (${parameter.unit})` : ''}`, control, parameterHint(parameter))),
-    controls.length === 0 && h('p.quiet', {}, 'No parameters.'),
+  const element = h('div', {class: controls.length > 0 ? 'variant' : 'quiet'},
+    controls.map(({parameter, element: control}) => field(parameter.name, control, parameterHint(parameter))),
+    controls.length === 0 && 'no parameters',
     onRemove && h('button.plain.remove', {type: 'button', onclick: () => onRemove()}, 'Remove this variant'));
   return {
     element,

@@ -5,7 +5,7 @@ import {ComparisonView} from './comparison_view.js';
 import {announce, field, h, replace} from './dom.js';
 import {count, duration, fixed, techniqueLabel, when} from './format.js';
 import {defaultBaseline, executionHistogram, passBars, resultsTable, summarise} from './results_table.js';
-import {frameRange, statusPill} from './runs_page.js';
+import {frameRange, runSize, statusPill} from './runs_page.js';
 
 const roleTitles = {image: 'image', reference: 'reference', error: 'error', shading: 'shading', hdr: 'linear image (EXR)'};
 
@@ -146,7 +146,7 @@ class RunPage {
     const facts = [
       ['started', when(this.#run.started_utc)],
       ['frames', frameRange(request.frames)],
-      ['size', head ? `${head.width}×${head.height}` : request.width ? `${request.width}×${request.height}` : 'as recorded'],
+      ['size', runSize(request, head?.width, head?.height)],
       ['reference', request.reference_samples > 0 ? `${request.reference_samples} samples` : 'none'],
       ['repeats', request.repeat],
       head && ['driver', `${head.driver} ${head.driver_version}`], head && ['device', head.device], head && ['CPU', head.cpu_model],

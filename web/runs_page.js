@@ -12,6 +12,7 @@ export function techniqueLabels(request, registry) {
     techniqueLabel(technique, parameters, registry.find((entry) => entry.name === technique)));
 }
 
+/** The size asked for, else the one the worker reported. */
 export function runSize(request, width, height) {
   return request.width > 0 ? `${request.width}×${request.height}` : width ? `${width}×${height}` : 'as recorded';
 }

@@ -1,26 +1,27 @@
 // The viewer in Chromium against the real service: upload, run, look at the results.
 //
-//   node viewer_test.mjs [--binary PATH] [--fake-worker PATH] [--screenshots DIR]
+//   node viewer_test.mjs [PATH of subpixel] [--fake-worker PATH] [--screenshots DIR]
 //
+// With --fake-worker (tests/service/fake_worker) no Vulkan device is needed, and failures of workers are looked at too.
 // The browser is $SUBPIXEL_CHROMIUM, else `chromium` of the search path. Prints "N passed, N failed"; exit code 1 if any failed.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
-import {mkdirSync, mkdtempSync, rmSync, writeFileSync} from 'node:fs';
+import {mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
 import {parseArgs} from 'node:util';
 import {chromium} from 'playwright-core';
 import {Service} from './service.mjs';
 
-const {values: options} = parseArgs({options: {
-  binary: {type: 'string', default: resolve(import.meta.dirname, '../../build/release/subpixel')},
+const {values: options, positionals} = parseArgs({allowPositionals: true, options: {
   'fake-worker': {type: 'string'},
   screenshots: {type: 'string'},
 }});
+const binary = resolve(positionals[0] ?? join(import.meta.dirname, '../../build/release/subpixel'));
 const hostileName = '<img src=x onerror=alert(1)>.spcap';
 const timeout = 120_000;  // a first frame pays the pipelines' compilation
 
-const service = new Service(resolve(options.binary), options['fake-worker'] ? resolve(options['fake-worker']) : null);
+const service = new Service(binary, options['fake-worker'] ? resolve(options['fake-worker']) : null);
 const profile = mkdtempSync(join(tmpdir(), 'subpixel-profile-'));
 const executablePath = process.env.SUBPIXEL_CHROMIUM || execFileSync('which', ['chromium'], {encoding: 'utf8'}).trim();
 let context;
@@ -42,6 +43,7 @@ async function open() {
 
 async function shot(name) {
   if (!options.screenshots) return;
+  await page.evaluate(() => scrollTo(0, 0));  // the header sticks to where the page is scrolled
   mkdirSync(options.screenshots, {recursive: true});
   await page.screenshot({path: join(options.screenshots, `${name}.png`), fullPage: true});
 }
@@ -61,7 +63,6 @@ const tests = [
 
   ['a capture is uploaded by drag and drop, with its thumbnail', async () => {
     const path = service.capture('field.spcap', {title: 'Field <b>of</b> grass', frames: 3, width: 320, height: 180, result_ms: 150});
-    const {readFileSync} = await import('node:fs');
     const transfer = await page.evaluateHandle(([base64, name]) => {
       const data = new DataTransfer();
       data.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
@@ -176,7 +177,6 @@ const tests = [
   ['the frame slider changes the images and the figures', async () => {
     const before = await shown();
     const figures = await page.locator('.results tbody').innerText();
-    await page.getByLabel('Frame', {exact: false}).locator('visible=true').first().focus();
     await page.locator('.frame input').focus();
     await page.keyboard.press('ArrowRight');
     await viewIsDrawn(before);

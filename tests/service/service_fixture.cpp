@@ -27,6 +27,7 @@ server::ServiceOptions test_options(const fs::path& data) {
   options.port = 0;
   options.upload_limit_bytes = 1 << 20;
   options.worker.program = SUBPIXEL_FAKE_WORKER;
+  options.http.idle_time = std::chrono::seconds(2);
   options.worker.limits.silence = std::chrono::seconds(20);
   options.worker.limits.line_bytes = 1 << 20;
   return options;

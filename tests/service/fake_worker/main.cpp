@@ -102,7 +102,8 @@ std::vector<std::uint8_t> render(std::uint32_t width, std::uint32_t height, std:
   return pixels;
 }
 
-replay::ResultsHead make_head(const replay::ReplayJob& job, const std::string& title) {
+replay::ResultsHead make_head(const replay::ReplayJob& job, const std::string& title, std::uint32_t width,
+                              std::uint32_t height) {
   replay::ResultsHead head;
   head.capture_title = title;
   head.driver = "fake";
@@ -111,8 +112,8 @@ replay::ResultsHead make_head(const replay::ReplayJob& job, const std::string& t
   head.cpu_model = "test double";
   head.build = "fake";
   head.date_utc = "2025-01-01T00:00:00Z";
-  head.width = job.options.width;
-  head.height = job.options.height;
+  head.width = width;
+  head.height = height;
   head.repeat = job.options.repeat;
   head.reference_samples = job.options.reference_samples;
   head.triangles_first_frame = 1234;
@@ -197,7 +198,8 @@ int work(const std::string& job_path) {
   const std::uint32_t height = job.options.height != 0 ? job.options.height : fake.value("height", 36u);
 
   say({{"type", "progress"}, {"stage", "load"}, {"done", 0}, {"total", 1}, {"detail", "<b>capture</b>"}});
-  say({{"type", "head"}, {"head", replay::to_json(make_head(job, fake.value("title", "A fake capture")))}});
+  say({{"type", "head"},
+       {"head", replay::to_json(make_head(job, fake.value("title", "A fake capture"), width, height))}});
   const auto techniques = static_cast<std::uint32_t>(job.options.techniques.size());
   const std::uint32_t total = (last - first + 1) * techniques;
   std::uint32_t done = 0;
@@ -222,7 +224,8 @@ int work(const std::string& job_path) {
     }
   }
   if (how == "no_done") return 0;
-  say({{"type", "head"}, {"head", replay::to_json(make_head(job, fake.value("title", "A fake capture")))}});
+  say({{"type", "head"},
+       {"head", replay::to_json(make_head(job, fake.value("title", "A fake capture"), width, height))}});
   say({{"type", "done"}});
   return 0;
 }

@@ -1,0 +1,181 @@
+// The service as a process of its own, ended in the middle of a run by SIGKILL and by SIGTERM.
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+
+#include "tests/service/service_fixture.hpp"
+
+namespace subpixel::tests {
+namespace {
+
+// `subpixel serve` over `data`, with the fake worker.
+class ServiceProcess {
+ public:
+  explicit ServiceProcess(const std::filesystem::path& data) {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) return;
+    const std::string folder = data.string();
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      ::dup2(ends[1], 1);
+      ::execl(SUBPIXEL_BINARY, SUBPIXEL_BINARY, "serve", "--data", folder.c_str(), "--listen", "127.0.0.1:0",
+              "--worker-program", SUBPIXEL_FAKE_WORKER, nullptr);
+      ::_exit(127);
+    }
+    ::close(ends[1]);
+    std::string line;
+    for (char c; line.find('\n') == std::string::npos && ::read(ends[0], &c, 1) == 1;) line += c;
+    ::close(ends[0]);
+    const std::size_t colon = line.rfind(':');
+    if (colon != std::string::npos) port_ = std::atoi(line.c_str() + colon + 1);
+  }
+  ~ServiceProcess() { end(SIGKILL); }
+
+  int port() const { return port_; }
+
+  // Sends the signal, waits for the end and returns the exit code, -1 for an end by a signal.
+  int end(int signal) {
+    if (pid_ <= 0) return -1;
+    ::kill(pid_, signal);
+    int status = 0;
+    ::waitpid(std::exchange(pid_, -1), &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  int port_ = 0;
+};
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// "frame/technique" of every stored result, the fake worker's form. Techniques are those of Client::start_run.
+std::set<std::string> stored_results(Client& client, std::int64_t run) {
+  std::set<std::string> stored;
+  const json document = client.get("/api/runs/" + std::to_string(run) + "/results.json");
+  for (const json& result : document.at("results")) {
+    stored.insert(std::to_string(result.at("frame").get<int>()) + (result.at("technique") == "noaa" ? "/0" : "/1"));
+  }
+  return stored;
+}
+
+TEST(Resume, KilledServiceRepeatsNothingStoredAndLosesNothing) {
+  const TemporaryFolder folder;
+  const std::filesystem::path log = folder.path() / "measured";
+  std::int64_t run = 0;
+  std::set<std::string> stored;
+  {
+    ServiceProcess service(folder.path() / "data");
+    Client client(service.port());
+    run = client.start_run(client.upload_fake({{"frames", 20}, {"result_ms", 15}, {"log", log.string()}}));
+    while (stored.size() < 3) stored = stored_results(client, run);
+    service.end(SIGKILL);
+  }
+  for (int kill = 0; kill < 5; ++kill) {
+    const std::size_t measured_before = lines_of(log).size();
+    ServiceProcess service(folder.path() / "data");
+    Client client(service.port());
+    const std::set<std::string> survived = stored_results(client, run);
+    EXPECT_TRUE(std::ranges::includes(survived, stored)) << "a result that was read was lost";
+    stored = survived;
+    // At different moments of a result's way into the store.
+    std::this_thread::sleep_for(std::chrono::milliseconds(60 + 7 * kill));
+    stored.merge(stored_results(client, run));
+    service.end(SIGKILL);
+    const std::vector<std::string> measured = lines_of(log);
+    for (std::size_t i = measured_before; i < measured.size(); ++i) {
+      EXPECT_FALSE(survived.contains(measured[i])) << measured[i] << " was stored and measured again";
+    }
+  }
+  ServiceProcess service(folder.path() / "data");
+  Client client(service.port());
+  const json ended = client.wait_for_end(run);
+  EXPECT_EQ(ended.at("status"), "done") << ended;
+  EXPECT_EQ(stored_results(client, run).size(), 40u);
+  const std::vector<std::string> measured = lines_of(log);
+  EXPECT_EQ(std::set<std::string>(measured.begin(), measured.end()).size(), 40u);
+  EXPECT_LE(measured.size(), 40u + 6u) << "at most the result under way at each kill is measured again";
+}
+
+TEST(Resume, WorkersDieWithTheirService) {
+  const TemporaryFolder folder;
+  const std::filesystem::path log = folder.path() / "measured";
+  ServiceProcess service(folder.path() / "data");
+  Client client(service.port());
+  client.start_run(client.upload_fake({{"frames", 200}, {"result_ms", 15}, {"log", log.string()}}));
+  while (lines_of(log).empty()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  service.end(SIGKILL);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const std::size_t measured = lines_of(log).size();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(lines_of(log).size(), measured) << "the worker goes on without its service";
+}
+
+TEST(Resume, GracefulEndIsQuickAndResumed) {
+  const TemporaryFolder folder;
+  std::int64_t run = 0;
+  {
+    ServiceProcess service(folder.path() / "data");
+    Client client(service.port());
+    run = client.start_run(client.upload_fake({{"frames", 4}, {"result_ms", 100}}));
+    while (client.get("/api/runs/" + std::to_string(run)).at("stored_results") < 1) {
+    }
+    std::thread follower([port = service.port(), run] {
+      Client mine(port);
+      mine.http().Get("/api/runs/" + std::to_string(run) + "/events", [](const char*, std::size_t) { return true; });
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(service.end(SIGTERM), 0);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(4));
+    follower.join();
+  }
+  ServiceProcess service(folder.path() / "data");
+  Client client(service.port());
+  EXPECT_EQ(client.wait_for_end(run).at("status"), "done");
+}
+
+TEST(Resume, RunThatTakesTheServiceDownIsGivenUp) {
+  const TemporaryFolder folder;
+  std::int64_t run = 0;
+  for (int start = 0; start < 3; ++start) {
+    ServiceProcess service(folder.path() / "data");
+    Client client(service.port());
+    if (start == 0) run = client.start_run(client.upload_fake({{"frames", 1}, {"fail_at", 0}, {"how", "hang"}}));
+    while (client.get("/api/runs/" + std::to_string(run)).at("status") != "running") {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    service.end(SIGKILL);
+  }
+  ServiceProcess service(folder.path() / "data");
+  Client client(service.port());
+  const json ended = client.wait_for_end(run);
+  EXPECT_EQ(ended.at("status"), "failed");
+  EXPECT_NE(ended.at("reason").get<std::string>().find("given up"), std::string::npos) << ended;
+}
+
+TEST(Resume, UnfinishedUploadsAndJobsAreRemovedAtTheStart) {
+  const TemporaryFolder folder;
+  const std::filesystem::path data = folder.path() / "data";
+  std::filesystem::create_directories(data / "uploads");
+  std::filesystem::create_directories(data / "jobs" / "7" / "out");
+  std::ofstream(data / "uploads" / "upload-abc") << "half of it";
+  const RunningService service(test_options(data));
+  EXPECT_TRUE(std::filesystem::is_empty(data / "uploads"));
+  EXPECT_TRUE(std::filesystem::is_empty(data / "jobs"));
+}
+
+}  // namespace
+}  // namespace subpixel::tests

@@ -1,0 +1,172 @@
+// The store by itself: versions, content-addressed blobs, and text from outside.
+#include "server/store.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "capture_format/error.hpp"
+#include "server/embedded_files.hpp"
+#include "server/text.hpp"
+#include "tests/service/service_fixture.hpp"
+
+namespace subpixel::tests {
+namespace {
+
+using server::Blob;
+using server::Connection;
+using server::RunKind;
+using server::RunStatus;
+using server::Store;
+
+class StoreTest : public testing::Test {
+ protected:
+  std::filesystem::path file() const { return folder_.path() / "store.sqlite"; }
+
+  static server::CaptureRecord a_capture() {
+    server::CaptureRecord capture;
+    capture.hash = std::string(32, 'a');
+    capture.name = "a'); DROP TABLE captures; --";
+    capture.uploaded_utc = server::utc_now();
+    capture.frame_count = 2;
+    capture.summary = json::object();
+    return capture;
+  }
+
+  static replay::ReplayOptions options() {
+    replay::ReplayOptions options;
+    options.techniques = {{"noaa", {}}, {"msaa", {{"samples", 8}}}};
+    options.frames = {0, 1};
+    return options;
+  }
+
+  static replay::FrameResult result(std::uint32_t frame, const std::string& technique) {
+    replay::FrameResult result;
+    result.frame = frame;
+    result.technique = technique;
+    result.ms.passes = {{"set-up", 1.5}, {"shade", 2.5}};
+    result.ms.total_ms = 4;
+    return result;
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+std::int64_t count(const Connection& connection, const std::string& table) {
+  server::Statement select(connection, "SELECT count(*) FROM " + table);
+  select.step();
+  return select.integer();
+}
+
+TEST_F(StoreTest, NewerVersionIsRefused) {
+  { const Store store(file()); }
+  Connection(file()).execute("PRAGMA user_version = 999");
+  EXPECT_THROW(Store{file()}, InputError);
+}
+
+TEST_F(StoreTest, ForeignFileIsRefused) {
+  std::ofstream(file()) << "this is no database, but it is longer than a header of one, which has a hundred bytes, as "
+                           "everybody knows who has read the file format";
+  EXPECT_THROW(Store{file()}, std::exception);
+}
+
+TEST_F(StoreTest, MigrationsRunInOrderAndAllOrNothing) {
+  const Connection connection(file());
+  const std::vector<std::string_view> first{"CREATE TABLE one (a INTEGER)"};
+  server::migrate(connection, first, file());
+  connection.execute("INSERT INTO one VALUES (7)");
+  const std::vector<std::string_view> broken{first[0], "ALTER TABLE one ADD COLUMN b INTEGER; CREATE TABLE oops ("};
+  EXPECT_THROW(server::migrate(connection, broken, file()), server::SqliteError);
+  const std::vector<std::string_view> good{first[0], "ALTER TABLE one ADD COLUMN b INTEGER", "CREATE TABLE three (c)"};
+  server::migrate(connection, good, file());
+  EXPECT_EQ(count(connection, "one"), 1);
+  EXPECT_EQ(count(connection, "three"), 0);
+  EXPECT_THROW(server::migrate(connection, first, file()), InputError);
+}
+
+// Foreign keys without an index make every deletion a scan; lists without one sort the table.
+TEST_F(StoreTest, EveryForeignKeyHasAnIndex) {
+  { const Store store(file()); }
+  const Connection connection(file());
+  server::Statement keys(connection,
+                         "SELECT m.name, f.\"from\" FROM sqlite_master m, pragma_foreign_key_list(m.name) f "
+                         "WHERE m.type = 'table' AND f.seq = 0");
+  int checked = 0;
+  while (keys.step()) {
+    const std::string table = keys.text(), column = keys.text();
+    server::Statement index(connection,
+                            "SELECT 1 FROM pragma_index_list(?) l, pragma_index_info(l.name) i WHERE i.seqno "
+                            "= 0 AND i.name = ?");
+    EXPECT_TRUE(index.bind(table).bind(column).step()) << table << "." << column;
+    ++checked;
+  }
+  EXPECT_GE(checked, 6);
+}
+
+TEST_F(StoreTest, ResultIsStoredOnceWithPassesAndImages) {
+  Store store(file());
+  ASSERT_TRUE(store.add_capture(a_capture()));
+  EXPECT_FALSE(store.add_capture(a_capture()));
+  const std::int64_t run = store.add_run(RunKind::run, a_capture().hash, options(), 4).value();
+  const std::map<std::string, Blob> images{{"image", {"image/png", "pixels"}}, {"error", {"image/png", "pixels"}}};
+  EXPECT_TRUE(store.add_result(run, 1, result(0, "msaa"), images));
+  EXPECT_FALSE(store.add_result(run, 1, result(0, "msaa"), images));
+  EXPECT_TRUE(store.add_result(run, 0, result(0, "noaa"), images));
+
+  const std::vector<server::StoredResult> results = store.results(run);
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[0].document.at("technique"), "noaa") << "by frame, then in the request's order";
+  EXPECT_EQ(results[0].sequence, 2);
+  EXPECT_EQ(results[0].document.at("images").at("image"), results[1].document.at("images").at("error"));
+  EXPECT_EQ(store.blob(results[0].document.at("images").at("image").get<std::string>()).value().bytes, "pixels");
+  EXPECT_EQ(store.stored_pairs(run), (std::vector<std::pair<std::uint32_t, std::uint32_t>>{{0, 0}, {0, 1}}));
+  EXPECT_EQ(store.results_after(run, 1, 10).size(), 1u);
+  const Connection connection(file());
+  EXPECT_EQ(count(connection, "blobs"), 1);
+  EXPECT_EQ(count(connection, "pass_times"), 4);
+}
+
+TEST_F(StoreTest, DeletionTakesAllThatBelongsToIt) {
+  Store store(file());
+  store.add_capture(a_capture());
+  const std::int64_t run = store.add_run(RunKind::run, a_capture().hash, options(), 4).value();
+  store.add_result(run, 0, result(0, "noaa"), {{"image", {"image/png", "pixels"}}});
+  EXPECT_EQ(store.delete_run(run), Store::Deletion::in_use);
+  EXPECT_TRUE(store.finish_run(run, RunStatus::done, ""));
+  EXPECT_FALSE(store.finish_run(run, RunStatus::failed, "too late"));
+  EXPECT_EQ(store.delete_capture(a_capture().hash), Store::Deletion::deleted);
+  const Connection connection(file());
+  for (const char* table : {"captures", "runs", "run_techniques", "frame_results", "pass_times", "images", "blobs"}) {
+    EXPECT_EQ(count(connection, table), 0) << table;
+  }
+  EXPECT_FALSE(store.add_run(RunKind::run, a_capture().hash, options(), 4));
+}
+
+TEST_F(StoreTest, ThumbnailsGoFirstAndEachRunGoesToOne) {
+  Store store(file());
+  store.add_capture(a_capture());
+  const std::int64_t run = store.add_run(RunKind::run, a_capture().hash, options(), 4).value();
+  const std::int64_t thumbnail = store.add_run(RunKind::thumbnail, a_capture().hash, options(), 1).value();
+  EXPECT_EQ(store.start_next_run().value().id, thumbnail);
+  EXPECT_EQ(store.start_next_run().value().id, run);
+  EXPECT_FALSE(store.start_next_run());
+  store.requeue_running(false);
+  EXPECT_EQ(store.start_next_run().value().starts_without_result, 2u);
+}
+
+TEST(Printable, IsValidUtf8WithoutControls) {
+  using server::printable;
+  EXPECT_EQ(printable("plain", 10), "plain");
+  EXPECT_EQ(printable("a\tb\x7f", 10), "a b ");
+  EXPECT_EQ(printable("gr\xc3\xbc\xc3\x9f", 10), "gr\xc3\xbc\xc3\x9f");
+  EXPECT_EQ(printable("\xc3", 10), "\xef\xbf\xbd");
+  EXPECT_EQ(printable("\xed\xa0\x80", 20), "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd") << "a surrogate";
+  EXPECT_EQ(printable("abcdefgh", 6), "abc\xe2\x80\xa6");
+  EXPECT_EQ(printable("\xc3\xbc\xc3\xbc\xc3\xbc", 5), "\xc3\xbc\xe2\x80\xa6") << "no character is cut";
+  EXPECT_EQ(printable("abcdef", 6), "abcdef");
+  EXPECT_EQ(printable("ab", 1), "");
+}
+
+}  // namespace
+}  // namespace subpixel::tests
