@@ -190,7 +190,7 @@ void draw_building(SceneBuilder& scene, const Materials& materials, const Parts&
 
   Mesh aerials;
   for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 foot(random.between(-0.4, 0.4) * width, height + 0.6, random.between(-5.0, -1.0));
+    const glm::dvec3 foot{random.between(-0.4, 0.4) * width, height + 0.6, random.between(-5.0, -1.0)};
     const glm::dvec3 top = foot + glm::dvec3(0, random.between(1.5, 3.0), 0);
     add_bar(aerials, foot, top, 0.02, 5);
     for (int k = 1; k <= 4; ++k) {

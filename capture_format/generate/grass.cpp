@@ -138,7 +138,8 @@ Capture grass(const GenerateOptions& options, const GrassParameters& parameters)
   scene.environment.sun = DirectionalLight{{-0.45f, -0.62f, -0.64f}, {3.4f, 3.2f, 2.8f}, true};
   for (int i = 0; i < 32; ++i) {
     const double angle = random.between(-0.7, 0.7);
-    const double distance = 2.5 + 14 * random.unit() * random.unit();
+    const double near = random.unit();
+    const double distance = 2.5 + 14 * near * random.unit();
     const double x = distance * sine(angle);
     const double z = -distance * cosine(angle);
     const double y = ground_height(x, z) + random.between(0.35, 0.9);

@@ -8,7 +8,7 @@ namespace subpixel::capture {
 
 void add_blade(Mesh& mesh, const BladeShape& shape, Random& random) {
   const double turn = random.between(0, 2 * kPi);
-  const glm::dvec3 root(random.between(-0.5, 0.5) * shape.patch_m, -0.02, random.between(-0.5, 0.5) * shape.patch_m);
+  const glm::dvec3 root{random.between(-0.5, 0.5) * shape.patch_m, -0.02, random.between(-0.5, 0.5) * shape.patch_m};
   const glm::dvec3 lean(cosine(turn), 0, sine(turn));
   const glm::dvec3 across(-sine(turn), 0, cosine(turn));
   const double height = shape.height_m * random.between(0.6, 1.4);

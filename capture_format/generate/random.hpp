@@ -1,4 +1,6 @@
 // The generators' source of randomness: SplitMix64 (Steele, Lea, Flood 2014), integer arithmetic only.
+// At most one draw from it in an expression, or several inside braces: the order of function arguments and operands is
+// the compiler's choice, and the bytes would be, too.
 #pragma once
 
 #include <cstdint>

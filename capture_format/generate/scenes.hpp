@@ -28,6 +28,47 @@ struct CityParameters {
 };
 Capture city(const GenerateOptions& options, const CityParameters& parameters = {});
 
+// A ball of fur: fibres of about half a pixel that hide each other, AGAA's correlated normals at their worst.
+struct FurParameters {
+  std::uint32_t clumps = 2100;  // times density
+  std::uint32_t fibres_per_clump = 10;
+  std::uint32_t segments = 3;  // of a fibre, each a prism of three sides
+  double length_m = 0.32;      // the ball's radius is 1 m
+  double radius_m = 0.0022;    // at the root
+};
+Capture fur(const GenerateOptions& options, const FurParameters& parameters = {});
+
+// A tangle of bent metal tubes over a floor: smooth highlights, silhouettes over silhouettes. Wang et al. 2015 have
+// such a scene in their tentacles.
+struct TubesParameters {
+  std::uint32_t tubes = 110;  // times density
+  std::uint32_t rings = 64;   // along a tube
+  std::uint32_t sides = 12;
+};
+Capture tubes(const GenerateOptions& options, const TubesParameters& parameters = {});
+
+// A bamboo grove with branches and modelled leaves, after the bamboo scene of Wang et al. 2015.
+struct BambooParameters {
+  std::uint32_t stalks = 170;  // times density
+  std::uint32_t leaves_per_stalk = 260;
+};
+Capture bamboo(const GenerateOptions& options, const BambooParameters& parameters = {});
+
+// Trees whose leaves are alpha-tested cards: coverage that a texture decides.
+struct FoliageParameters {
+  std::uint32_t trees = 26;
+  std::uint32_t cards_per_tree = 3600;  // times density
+};
+Capture foliage(const GenerateOptions& options, const FoliageParameters& parameters = {});
+
+// A hall of columns and arches in brick and stone with a gallery, lamps on chains: architecture as in Sponza, where
+// most pixels are plain and few are complex.
+struct ArcadeParameters {
+  std::uint32_t bays = 9;  // of 4 m along the hall
+  std::uint32_t column_sides = 28;
+};
+Capture arcade(const GenerateOptions& options, const ArcadeParameters& parameters = {});
+
 // Scenes of a few triangles, for tests.
 Capture triangle(const GenerateOptions& options);
 Capture empty(const GenerateOptions& options);

@@ -187,8 +187,8 @@ void draw_grass(SceneBuilder& scene, const GrassCover& cover, std::size_t number
   for (double z = z0; z < z1; z += cover.patch_m) {
     for (double x = x0; x < x1; x += cover.patch_m) {
       const glm::dmat4 turned = rotation({0, 1, 0}, random.between(0, 2 * kPi));
-      places[random.below(kVariants)].push_back(
-          translation({x + random.unit() * cover.patch_m, 0, z + random.unit() * cover.patch_m}) * turned);
+      const glm::dvec3 at{x + random.unit() * cover.patch_m, 0, z + random.unit() * cover.patch_m};
+      places[random.below(kVariants)].push_back(translation(at) * turned);
     }
   }
   for (std::uint32_t v = 0; v < kVariants; ++v) {

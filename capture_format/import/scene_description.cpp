@@ -166,7 +166,7 @@ void add_scatter(JsonFields fields, const Placement& placement, std::vector<Plac
     constexpr int kTries = 20;
     for (int attempt = 0; attempt < kTries; ++attempt) {
       Placement scattered = placement;
-      scattered.position += glm::dvec3(random.between(area[0], area[2]), 0, random.between(area[1], area[3]));
+      scattered.position += glm::dvec3{random.between(area[0], area[2]), 0, random.between(area[1], area[3])};
       scattered.rotation_degrees.y += random.between(0, 360);
       scattered.scale *= random.between(scale_low, scale_high);
       bool is_free = true;

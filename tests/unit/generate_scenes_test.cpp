@@ -63,10 +63,12 @@ INSTANTIATE_TEST_SUITE_P(All, GeneratedScene, testing::ValuesIn(scene_names()),
 // of the generator in scene_metadata.hpp.
 TEST(GenerateScenes, GoldenBytes) {
   const std::pair<const char*, const char*> golden[] = {
-      {"grass", "1c8eb530c229c22b452669d075e8d98c"},    {"city", "295672e9b45a6d616af7b9588369e810"},
-      {"triangle", "87e868ce266f6d65bc07295076d8ac40"}, {"empty", "a4cb0b2b637906f8f01ec123d5474bd9"},
-      {"cube", "16c1c0ffe9bde70e9bc35946f438a7f0"},     {"quads", "c6939e0bc1e261a3751cd21060273ed5"},
-      {"spheres", "dc61fca93375163fa92343c88321f3a2"},
+      {"grass", "02cc341fdd52a4a8e76e4904bf5fe53a"},  {"city", "c492598550ba1054ca3c2bd8d0eb42a0"},
+      {"fur", "ee76e3c513475056b2d80b15b4d9f9c3"},    {"tubes", "c4937d7e0e0be341b13c2ae2693b29d9"},
+      {"bamboo", "9ad2c0282605fc90e341ad5c05e822a9"}, {"foliage", "bb5f4fde94aa710e6adaf4e5f8bb1726"},
+      {"arcade", "b5225cc2b95c77cc0df2907078eebffe"}, {"triangle", "87e868ce266f6d65bc07295076d8ac40"},
+      {"empty", "a4cb0b2b637906f8f01ec123d5474bd9"},  {"cube", "16c1c0ffe9bde70e9bc35946f438a7f0"},
+      {"quads", "c6939e0bc1e261a3751cd21060273ed5"},  {"spheres", "dc61fca93375163fa92343c88321f3a2"},
   };
   for (const auto& [scene, hash] : golden) EXPECT_EQ(hash_of(scene, small_options()), hash) << scene;
 }
@@ -96,6 +98,13 @@ TEST(GenerateScenes, FullSizesAreAsDocumented) {
   EXPECT_GT(triangles(city), 150000u);
   EXPECT_EQ(city.frames[0].point_lights.size(), 32u);
   EXPECT_GT(city.frames[0].draws.size(), 100u) << "a stream of draws";
+  for (const char* name : {"fur", "tubes", "bamboo", "foliage", "arcade"}) {
+    const Capture capture = generate(name, {.frames = 1});
+    EXPECT_GT(triangles(capture), 80000u) << name;
+    EXPECT_LT(triangles(capture), 450000u) << name;
+    EXPECT_EQ(capture.frames[0].point_lights.size(), 32u) << name;
+    EXPECT_TRUE(capture.frames[0].sun && capture.frames[0].sun->shadows) << name;
+  }
 }
 
 TEST(GenerateScenes, WrongRequestsAreNamed) {
