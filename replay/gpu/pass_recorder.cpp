@@ -188,13 +188,19 @@ void PassRecorder::compute(ComputePass pass) {
     step.uses.push_back({buffer, nullptr,
                          {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                           VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
+  if (pass.indirect)
+    step.uses.push_back({pass.indirect, nullptr,
+                         {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT,
+                          VK_IMAGE_LAYOUT_UNDEFINED}});
   const VkPipeline pipeline = device_.pipelines().compute(pass.shader, pass.constants);
   step.record = [this, pipeline, pass = std::move(pass)](VkCommandBuffer commands) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
     bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.bindings, {});
     vkCmdPushConstants(commands, device_.pipelines().layout(), VK_SHADER_STAGE_ALL, 0, kPushConstantBytes,
                        pass.push.bytes.data());
-    if (pass.groups[0] > 0 && pass.groups[1] > 0 && pass.groups[2] > 0)
+    if (pass.indirect)
+      vkCmdDispatchIndirect(commands, pass.indirect->handle(), 0);
+    else if (pass.groups[0] > 0 && pass.groups[1] > 0 && pass.groups[2] > 0)
       vkCmdDispatch(commands, pass.groups[0], pass.groups[1], pass.groups[2]);
   };
   steps_.push_back(std::move(step));

@@ -47,6 +47,7 @@ struct ComputePass {
   std::vector<Buffer*> by_address;  // written or read through buffer_reference
   PushConstants push;
   std::array<std::uint32_t, 3> groups{1, 1, 1};
+  Buffer* indirect = nullptr;  // the three group counts are read from its start instead of `groups`
 };
 
 // Binds further state between the draws of one raster pass.
