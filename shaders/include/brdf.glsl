@@ -25,7 +25,8 @@ struct Brdf {
   vec3 diffuse;        // Lambert, 1 / pi included
   vec3 reflectance;    // at normal incidence
   vec3 ambient;        // fraction of a uniform environment's radiance sent to the eye
-  float normal_view;   // cosine, at least kCosineFloor
+  float cosine;        // of normal and view, of either sign
+  float normal_view;   // the same, at least kCosineFloor
   float alpha_squared;
   float smith_view;    // sqrt(alpha^2 + (1 - alpha^2) cosine^2)
   float exponent;      // Blinn-Phong
@@ -43,7 +44,8 @@ Brdf prepare_brdf(Surface s, vec3 view) {
   vec3 diffuse_colour = albedo * (1.0 - metallic);
   b.diffuse = diffuse_colour * (1.0 / kPi);
   b.reflectance = mix(vec3(kDielectricReflectance), albedo, metallic);
-  b.normal_view = clamp(dot(s.normal, view), kCosineFloor, 1.0);
+  b.cosine = dot(s.normal, view);
+  b.normal_view = clamp(b.cosine, kCosineFloor, 1.0);
   b.smith_view = sqrt(b.normal_view * b.normal_view * (1.0 - b.alpha_squared) + b.alpha_squared);
   // Matches the lobe of the GGX distribution near its peak (Walter et al. 2007, section 5.1 for the relation).
   b.exponent = 2.0 / b.alpha_squared - 2.0;
@@ -60,10 +62,10 @@ Brdf prepare_brdf(Surface s, vec3 view) {
 // [0, 1]. Half-vector cosines come from the other cosines, so that each light costs one division and two square roots.
 vec3 reflected(Brdf b, vec3 light, float normal_light) {
   float half_squared = max(2.0 + 2.0 * dot(light, b.view), 1e-6);  // |light + view|^2
-  float sum = normal_light + b.normal_view;
+  float sum = max(normal_light + b.cosine, 0.0);
   float sum_squared = min(sum * sum, half_squared);  // (n.h)^2 half_squared
   if (SHADING_MODEL == SHADING_MODEL_BLINN_PHONG) {
-    float lobe = exp2(0.5 * b.exponent * log2(max(sum_squared / half_squared, 1e-30)));
+    float lobe = sum > 0.0 ? exp2(0.5 * b.exponent * log2(max(sum_squared / half_squared, 1e-30))) : 0.0;
     return (b.diffuse + b.reflectance * ((b.exponent + 8.0) * (0.125 / kPi) * lobe)) * normal_light;
   }
   float denominator = max((b.alpha_squared - 1.0) * sum_squared + half_squared, b.alpha_squared * half_squared);

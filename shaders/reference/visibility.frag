@@ -13,13 +13,26 @@ layout(location = 0) flat in uint triangle;
 layout(location = 0) out uint seen;
 
 #ifdef TESTED
-// Blended materials cover each sample with the probability alpha. Thresholds of one triangle are evenly spread over the
-// samples of all turns; those of different triangles are independent, as transmission through layers is.
+// Laine and Karras 2011: each bit is flipped or not by a hash of the bits below it.
+uint scramble(uint x, uint seed) {
+  x += seed;
+  x ^= x * 0x6c50b47cu;
+  x ^= x * 0xb82f1e52u;
+  x ^= x * 0xc7afe638u;
+  x ^= x * 0x8d22f6e6u;
+  return x;
+}
+
+// Blended materials cover each sample with the probability alpha. The thresholds of one triangle are spread evenly over
+// the samples of all turns; those of different triangles are independent, so that layers multiply: the radical inverse
+// of a shuffled index, both by hashed Owen scrambling (Burley 2020).
 float blend_threshold(uint number, uint sample_number) {
   uint hash = number * 747796405u + 2891336453u;
   hash = ((hash >> ((hash >> 28u) + 4u)) ^ hash) * 277803737u;
   hash = (hash >> 22u) ^ hash;
-  uint spread = hash + (4u * turn.number.x + sample_number) * 2654435769u;  // golden ratio * 2^32
+  uint index = 4u * turn.number.x + sample_number;
+  uint shuffled = bitfieldReverse(scramble(bitfieldReverse(index), hash));
+  uint spread = bitfieldReverse(scramble(shuffled, hash ^ 0xa511e9b3u));
   return (float(spread >> 8) + 0.5) * (1.0 / 16777216.0);
 }
 #endif
