@@ -76,10 +76,12 @@ constexpr FeatureNeed kNeeds[] = {
     {"shaderFloat64", [](Features& f) -> VkBool32& { return f.core.features.shaderFloat64; }},
     {"fragmentStoresAndAtomics", [](Features& f) -> VkBool32& { return f.core.features.fragmentStoresAndAtomics; }},
     {"multiDrawIndirect", [](Features& f) -> VkBool32& { return f.core.features.multiDrawIndirect; }},
+    {"drawIndirectFirstInstance", [](Features& f) -> VkBool32& { return f.core.features.drawIndirectFirstInstance; }},
     {"independentBlend", [](Features& f) -> VkBool32& { return f.core.features.independentBlend; }},
     {"depthClamp", [](Features& f) -> VkBool32& { return f.core.features.depthClamp; }},
     {"bufferDeviceAddress", [](Features& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
     {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
+    {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},  // LocalSizeId, which glslang emits
     {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
     {"rasterizationOrderColorAttachmentAccess",
      [](Features& f) -> VkBool32& { return f.order.rasterizationOrderColorAttachmentAccess; }},

@@ -39,7 +39,9 @@ MaterialSets::MaterialSets(Device& device, std::uint32_t capacity) : device_(dev
   check(vkCreateDescriptorPool(device.handle(), &create, nullptr, &pool_), "vkCreateDescriptorPool");
 }
 
-MaterialSets::~MaterialSets() { vkDestroyDescriptorPool(device_.handle(), pool_, nullptr); }
+MaterialSets::~MaterialSets() {
+  vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
+}
 
 VkDescriptorSet MaterialSets::set_of(const std::array<Image*, kMaterialTextures>& images, const Sampler& sampler) {
   auto& set = sets_[images];

@@ -19,7 +19,9 @@ struct ReferencePush {
 
 constexpr std::uint32_t kGroupSide = 8;  // of the compute passes' workgroups
 
-std::uint32_t groups(std::uint32_t pixels) { return (pixels + kGroupSide - 1) / kGroupSide; }
+std::uint32_t groups(std::uint32_t pixels) {
+  return (pixels + kGroupSide - 1) / kGroupSide;
+}
 
 template <typename T>
 gpu::Buffer filled(gpu::Device& device, const char* name, const std::vector<T>& values) {
@@ -31,8 +33,7 @@ gpu::Buffer filled(gpu::Device& device, const char* name, const std::vector<T>& 
 Image image_of(const gpu::Buffer& pixels, std::uint32_t width, std::uint32_t height, Encoding encoding) {
   Image image(width, height, 3, encoding);
   const auto from = pixels.as<float>();
-  for (std::size_t i = 0; i < std::size_t{width} * height; ++i)
-    std::copy_n(&from[4 * i], 3, &image.pixels[3 * i]);
+  for (std::size_t i = 0; i < std::size_t{width} * height; ++i) std::copy_n(&from[4 * i], 3, &image.pixels[3 * i]);
   return image;
 }
 
@@ -81,9 +82,9 @@ gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scen
   pass.constants = {{1, scene.features().bits}, {2, options.shading_model}, {3, options.tone_map_samples ? 1u : 0u}};
   pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, work.turn), gpu::reads(1, scene.materials),
                    gpu::reads(2, work.textures.levels), gpu::reads(3, work.textures.materials)};
-  pass.by_address = {&work.corners,   &work.triangles,   &scene.indices,        &scene.normals,  &scene.uvs,
-                     &scene.tangents, &scene.instances,  &work.textures.texels, &work.sums,      &work.compensation,
-                     &work.display_sums};
+  pass.by_address = {&work.corners, &work.triangles,    &scene.indices,    &scene.normals,
+                     &scene.uvs,    &scene.tangents,    &scene.instances,  &work.textures.texels,
+                     &work.sums,    &work.compensation, &work.display_sums};
   pass.push = gpu::PushConstants(push);
   const auto& size = scene.constants().viewport;
   pass.groups = {groups(static_cast<std::uint32_t>(size.x)), groups(static_cast<std::uint32_t>(size.y)), 1};
@@ -95,8 +96,9 @@ gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scen
 ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
                                 const ReferenceProgress& progress) {
   if (options.samples < 4 || options.samples > kMostReferenceSamples || options.samples % 4 != 0)
-    throw UsageError("reference samples", fmt::format("{} is not a multiple of 4 from 4 to {}", options.samples,
-                                                      kMostReferenceSamples), "samples");
+    throw UsageError("reference samples",
+                     fmt::format("{} is not a multiple of 4 from 4 to {}", options.samples, kMostReferenceSamples),
+                     "samples");
   const auto width = static_cast<std::uint32_t>(scene.constants().viewport.x);
   const auto height = static_cast<std::uint32_t>(scene.constants().viewport.y);
   const std::uint64_t pixels = std::uint64_t{width} * height;
@@ -113,10 +115,10 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   work.sums = gpu::Buffer(device, "reference sums", pixels * 16);
   work.compensation = gpu::Buffer(device, "reference compensation", pixels * 16);
   work.display_sums = gpu::Buffer(device, "reference display sums", options.tone_map_samples ? pixels * 16 : 0);
-  const ReferencePush push{work.corners.address(),       work.triangles.address(),    scene.indices.address(),
-                           scene.normals.address(),      scene.uvs.address(),         scene.tangents.address(),
-                           scene.instances.address(),    work.textures.texels.address(), work.sums.address(),
-                           work.compensation.address(),  work.display_sums.address()};
+  const ReferencePush push{
+      work.corners.address(), work.triangles.address(),    scene.indices.address(),    scene.normals.address(),
+      scene.uvs.address(),    scene.tangents.address(),    scene.instances.address(),  work.textures.texels.address(),
+      work.sums.address(),    work.compensation.address(), work.display_sums.address()};
 
   gpu::PassRecorder turns(device), finish(device);
   gpu::ImageDescription target;

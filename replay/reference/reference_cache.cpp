@@ -174,9 +174,8 @@ CachedReference cached_reference(gpu::Device& device, GpuScene& scene, std::stri
                                  const ReferenceProgress& progress) {
   const std::string key = reference_key(device, scene, capture_hash, frame, options);
   const auto& size = scene.constants().viewport;
-  if (auto image = cache.load(key);
-      image && image->linear.width == static_cast<std::uint32_t>(size.x) &&
-      image->linear.height == static_cast<std::uint32_t>(size.y))
+  if (auto image = cache.load(key); image && image->linear.width == static_cast<std::uint32_t>(size.x) &&
+                                    image->linear.height == static_cast<std::uint32_t>(size.y))
     return {std::move(*image), true, {}};
   CachedReference result{render_reference(device, scene, options, progress), false, {}};
   try {

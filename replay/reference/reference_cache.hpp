@@ -1,7 +1,8 @@
 // References on disk, by what they are made from.
 //
 // A file is a header (magic, form, width, height, payload bytes, XXH3-128 of all that and the payload) and the payload:
-// both images' floats, split into byte planes and compressed with zstd. A file that is not exactly that counts as absent.
+// both images' floats, split into byte planes and compressed with zstd. A file that is not exactly that counts as
+// absent.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +15,8 @@
 namespace subpixel::replay {
 
 // 32 hex digits: XXH3-128 of everything the image depends on: capture, frame, resolution, lights and all other frame
-// constants, features, options, driver with version, CPU model, the SPIR-V of the passes and a revision of the host's part.
+// constants, features, options, driver with version, CPU model, the SPIR-V of the passes and a revision of the host's
+// part.
 std::string reference_key(const gpu::Device& device, const GpuScene& scene, std::string_view capture_hash,
                           std::uint32_t frame, const ReferenceOptions& options);
 

@@ -85,8 +85,9 @@ TriangleList visible_triangles(const GpuScene& scene) {
       }
     }
     if (list.triangles.size() > kMostTriangles)
-      throw DeviceError("reference", fmt::format("{} visible triangles are over {}", list.triangles.size(),
-                                                 kMostTriangles), "triangle list");
+      throw DeviceError("reference",
+                        fmt::format("{} visible triangles are over {}", list.triangles.size(), kMostTriangles),
+                        "triangle list");
   }
   return list;
 }

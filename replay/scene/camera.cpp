@@ -86,8 +86,9 @@ std::vector<glm::dvec3> visible_corners(const Camera& camera, const Bounds& boun
         const glm::dvec3 bc = glm::cross(b.normal, c.normal);
         const double determinant = glm::dot(a.normal, bc);
         if (std::abs(determinant) < 1e-9) continue;
-        const glm::dvec3 point = -(bc * a.offset + glm::cross(c.normal, a.normal) * b.offset +
-                                   glm::cross(a.normal, b.normal) * c.offset) / determinant;
+        const glm::dvec3 point =
+            -(bc * a.offset + glm::cross(c.normal, a.normal) * b.offset + glm::cross(a.normal, b.normal) * c.offset) /
+            determinant;
         bool inside = true;
         for (const auto& space : spaces) inside = inside && space.distance(point) >= -tolerance;
         if (inside) corners.push_back(point);

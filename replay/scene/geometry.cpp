@@ -48,7 +48,9 @@ glm::vec3 unit(const glm::vec3& v) {
   return scaled / std::sqrt(glm::dot(scaled, scaled));
 }
 
-float finite_uv(float value) { return std::abs(value) <= 1e6f ? value : 0.0f; }
+float finite_uv(float value) {
+  return std::abs(value) <= 1e6f ? value : 0.0f;
+}
 
 glm::vec3 vec3_at(const std::vector<float>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
@@ -128,8 +130,8 @@ GeometryPlan plan_geometry(const capture::Capture& capture, VertexNeeds needs) {
       const auto& draw = draws[d];
       const bool mapped = capture.materials[draw.material].normal_texture != capture::kNone;
       VertexSet set{{f, d}, 0, draw.vertex_count, draw.normal.buffer == capture::kNone, false};
-      set.make_tangents = needs.tangents && mapped && draw.tangent.buffer == capture::kNone &&
-                          needs.uvs && draw.uv.buffer != capture::kNone;
+      set.make_tangents = needs.tangents && mapped && draw.tangent.buffer == capture::kNone && needs.uvs &&
+                          draw.uv.buffer != capture::kNone;
       Key key{};
       put_stream(key, 0, draw.position, true);
       put_stream(key, 3, draw.normal, true);
@@ -145,7 +147,8 @@ GeometryPlan plan_geometry(const capture::Capture& capture, VertexNeeds needs) {
         set.first_vertex = static_cast<std::uint32_t>(vertices);
         vertices += set.vertex_count;
         if (vertices > std::numeric_limits<std::uint32_t>::max())
-          throw DeviceError("scene", "more vertices than 32-bit indices address", fmt::format("frame {} draw {}", f, d));
+          throw DeviceError("scene", "more vertices than 32-bit indices address",
+                            fmt::format("frame {} draw {}", f, d));
         plan.vertex_sets.push_back(set);
       }
       Key mesh_key{};

@@ -56,7 +56,9 @@ gpu_types::InstanceRecord instance_record(const glm::dmat4& world) {
   return record;
 }
 
-glm::vec4 vec4_of(const capture::Float3& v, float w = 0) { return {v[0], v[1], v[2], w}; }
+glm::vec4 vec4_of(const capture::Float3& v, float w = 0) {
+  return {v[0], v[1], v[2], w};
+}
 
 }  // namespace
 
@@ -139,9 +141,10 @@ GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const S
     : device_(device), capture_(capture), impl_(std::make_unique<Impl>()) {
   impl_->options = options;
   if (options.point_lights.value_or(0) > SUBPIXEL_MAX_POINT_LIGHTS)
-    throw UsageError("point lights", fmt::format("{} asked for, at most {}", *options.point_lights,
-                                                 SUBPIXEL_MAX_POINT_LIGHTS), "lights");
-  const PointLights lights = !options.point_lights      ? PointLights::captured
+    throw UsageError("point lights",
+                     fmt::format("{} asked for, at most {}", *options.point_lights, SUBPIXEL_MAX_POINT_LIGHTS),
+                     "lights");
+  const PointLights lights = !options.point_lights        ? PointLights::captured
                              : *options.point_lights == 0 ? PointLights::none
                                                           : PointLights::some;
   features_.bits = detect_features(capture, lights);
@@ -156,9 +159,9 @@ GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const S
   uvs = gpu::Buffer(device, "texture coordinates", plan.needs.uvs ? vertices * 8 : 0);
   tangents = gpu::Buffer(device, "tangents", plan.needs.tangents ? vertices * 16 : 0);
   indices = gpu::Buffer(device, "indices", plan.index_count * 4);
-  impl_->mesh_bounds = fill_geometry(capture, plan,
-                                     {positions.as<float>(), normals.as<float>(), uvs.as<float>(), tangents.as<float>(),
-                                      indices.as<std::uint32_t>()});
+  impl_->mesh_bounds = fill_geometry(
+      capture, plan,
+      {positions.as<float>(), normals.as<float>(), uvs.as<float>(), tangents.as<float>(), indices.as<std::uint32_t>()});
 
   std::size_t most_instances = 0, most_draws = 0;
   for (const auto& frame : capture.frames) {
@@ -182,8 +185,8 @@ GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const S
   shadow.width = shadow.height = features_.has(FEATURE_SHADOWS) ? options.shadow_map_size : 1;
   shadow.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   shadow_map = gpu::Image(device, shadow);
-  shadow_sampler = gpu::Sampler(device, {VK_FILTER_NEAREST, VK_SAMPLER_MIPMAP_MODE_NEAREST,
-                                         VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE});
+  shadow_sampler =
+      gpu::Sampler(device, {VK_FILTER_NEAREST, VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE});
 
   if (lights == PointLights::some) {
     std::vector<LightStage> stages;
@@ -206,7 +209,8 @@ GpuScene::~GpuScene() = default;
 
 void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t height) {
   if (index >= capture_.frames.size())
-    throw UsageError("frame", fmt::format("the capture has {}", capture_.frames.size()), fmt::format("frame {}", index));
+    throw UsageError("frame", fmt::format("the capture has {}", capture_.frames.size()),
+                     fmt::format("frame {}", index));
   const auto& frame = capture_.frames[index];
   draws_.clear();
   impl_->triangle_count = 0;
@@ -267,13 +271,21 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
   if (fit) render_shadow_map(device_, *this, impl_->shadow_commands, *fit);
 }
 
-std::uint64_t GpuScene::triangle_count() const { return impl_->triangle_count; }
+std::uint64_t GpuScene::triangle_count() const {
+  return impl_->triangle_count;
+}
 
-VkDescriptorSet GpuScene::material_set(std::uint32_t material) const { return impl_->set_of_material[material]; }
+VkDescriptorSet GpuScene::material_set(std::uint32_t material) const {
+  return impl_->set_of_material[material];
+}
 
-bool GpuScene::alpha_tested(std::uint32_t material) const { return is_alpha_tested(capture_.materials[material]); }
+bool GpuScene::alpha_tested(std::uint32_t material) const {
+  return is_alpha_tested(capture_.materials[material]);
+}
 
-bool GpuScene::two_sided(std::uint32_t material) const { return capture_.materials[material].two_sided; }
+bool GpuScene::two_sided(std::uint32_t material) const {
+  return capture_.materials[material].two_sided;
+}
 
 bool GpuScene::has_textures(std::uint32_t material) const {
   const auto numbers = textures_of(capture_.materials[material]);
@@ -282,7 +294,8 @@ bool GpuScene::has_textures(std::uint32_t material) const {
 
 std::uint64_t GpuScene::bytes() const {
   std::uint64_t total = shadow_map.bytes() + impl_->white.bytes();
-  for (const gpu::Buffer* buffer : {&positions, &normals, &uvs, &tangents, &indices, &instances, &materials, &frame_constants})
+  for (const gpu::Buffer* buffer :
+       {&positions, &normals, &uvs, &tangents, &indices, &instances, &materials, &frame_constants})
     total += buffer->bytes();
   for (const auto& [number, image] : impl_->textures) total += image.bytes();
   return total;

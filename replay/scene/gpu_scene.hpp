@@ -23,9 +23,9 @@ struct SceneFeatures {
 // One draw call of the current frame, instances included, in submission order.
 struct DrawItem {
   std::uint32_t material = 0;
-  std::uint32_t first_index = 0;      // into `indices`
-  std::uint32_t triangle_count = 0;   // of one instance
-  std::uint32_t first_instance = 0;   // into `instances`
+  std::uint32_t first_index = 0;     // into `indices`
+  std::uint32_t triangle_count = 0;  // of one instance
+  std::uint32_t first_instance = 0;  // into `instances`
   std::uint32_t instance_count = 0;
 };
 
@@ -49,21 +49,22 @@ class GpuScene {
   const std::vector<DrawItem>& draws() const { return draws_; }
   std::uint64_t triangle_count() const;  // of the current frame, all instances
   const gpu_types::FrameConstants& constants() const { return constants_value_; }
-  VkDescriptorSet material_set(std::uint32_t material) const;  // set 1: the material's textures, white where it has none
+  VkDescriptorSet material_set(
+      std::uint32_t material) const;  // set 1: the material's textures, white where it has none
   bool alpha_tested(std::uint32_t material) const;
   bool two_sided(std::uint32_t material) const;
   bool has_textures(std::uint32_t material) const;  // any texture: its draws can't share a bind with another material's
-  std::uint64_t bytes() const;  // geometry, textures, shadow map
+  std::uint64_t bytes() const;                      // geometry, textures, shadow map
 
-  gpu::Buffer positions;   // 3 floats a vertex, object space
-  gpu::Buffer normals;     // 3 floats a vertex, unit
-  gpu::Buffer uvs;         // 2 floats a vertex; empty without textures
-  gpu::Buffer tangents;    // 4 floats a vertex; empty without normal maps
-  gpu::Buffer indices;     // 32-bit, absolute vertex numbers
-  gpu::Buffer instances;   // InstanceRecord
-  gpu::Buffer materials;   // MaterialRecord
+  gpu::Buffer positions;        // 3 floats a vertex, object space
+  gpu::Buffer normals;          // 3 floats a vertex, unit
+  gpu::Buffer uvs;              // 2 floats a vertex; empty without textures
+  gpu::Buffer tangents;         // 4 floats a vertex; empty without normal maps
+  gpu::Buffer indices;          // 32-bit, absolute vertex numbers
+  gpu::Buffer instances;        // InstanceRecord
+  gpu::Buffer materials;        // MaterialRecord
   gpu::Buffer frame_constants;  // FrameConstants
-  gpu::Image shadow_map;   // 1x1 without shadows
+  gpu::Image shadow_map;        // 1x1 without shadows
   gpu::Sampler shadow_sampler;
 
  private:

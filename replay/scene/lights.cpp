@@ -6,10 +6,11 @@
 namespace subpixel::replay {
 namespace {
 
-constexpr int kCandidates = 64;        // points tried for each light
+constexpr int kCandidates = 64;  // points tried for each light
 constexpr double kRangePerDistance = 0.4;
 constexpr double kLiftPerDistance = 0.04;
-// Irradiance a light gives at a quarter of its range, before exposure: about that of an overcast noon against a sun of 3.
+// Irradiance a light gives at a quarter of its range, before exposure: about that of an overcast noon against a sun
+// of 3.
 constexpr double kIrradiance = 1.5;
 
 // PCG hash (Jarzynski and Olano 2020, "Hash functions for GPU rendering").
@@ -27,7 +28,9 @@ glm::dvec3 tint(std::uint32_t i) {
   return colour;
 }
 
-bool finite(float value) { return std::isfinite(value); }
+bool finite(float value) {
+  return std::isfinite(value);
+}
 
 }  // namespace
 

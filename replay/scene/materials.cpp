@@ -6,9 +6,13 @@
 namespace subpixel::replay {
 namespace {
 
-bool has(std::uint32_t texture) { return texture != capture::kNone; }
+bool has(std::uint32_t texture) {
+  return texture != capture::kNone;
+}
 
-bool is_dark(const capture::Float3& colour) { return colour[0] == 0 && colour[1] == 0 && colour[2] == 0; }
+bool is_dark(const capture::Float3& colour) {
+  return colour[0] == 0 && colour[1] == 0 && colour[2] == 0;
+}
 
 }  // namespace
 

@@ -14,13 +14,13 @@ namespace subpixel::replay {
 // Materials some draw of some frame uses, by number.
 std::vector<bool> used_materials(const capture::Capture& capture);
 
-// True when alpha decides which samples a fragment covers: alpha-tested materials, and blended ones, which cover as many
-// samples as their alpha says. Not when no texture varies the alpha and the factor lets every sample pass.
+// True when alpha decides which samples a fragment covers: alpha-tested materials, and blended ones, which cover as
+// many samples as their alpha says. Not when no texture varies the alpha and the factor lets every sample pass.
 bool is_alpha_tested(const capture::Material& material);
 
 // A texture some used material needs, and what its alpha is for.
 struct TextureUse {
-  std::uint32_t texture = 0;  // number in the capture
+  std::uint32_t texture = 0;            // number in the capture
   bool alpha_weighted = false;          // what is transparent must not bleed into what is not
   std::optional<float> alpha_cutoff{};  // of the alpha test: the lowest, as seen from the texel, of its materials
 };

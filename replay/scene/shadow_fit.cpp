@@ -6,8 +6,8 @@
 namespace subpixel::replay {
 namespace {
 
-constexpr double kFilterTexels = 4;      // margin on each side
-constexpr double kBiasTexels = 1.0;      // taken off the depth of receivers, along the light
+constexpr double kFilterTexels = 4;  // margin on each side
+constexpr double kBiasTexels = 1.0;  // taken off the depth of receivers, along the light
 
 }  // namespace
 

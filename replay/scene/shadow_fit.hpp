@@ -14,8 +14,8 @@ struct ShadowFit {
 };
 
 // Covers the visible part of `scene` with a margin for the filter, and in depth all of it, since casters may stand
-// outside the view. Sizes are rounded up to quarter octaves and the origin to whole texels, so that the pattern of texels
-// stays where it is while the camera moves. None when nothing is visible or the light has no direction.
+// outside the view. Sizes are rounded up to quarter octaves and the origin to whole texels, so that the pattern of
+// texels stays where it is while the camera moves. None when nothing is visible or the light has no direction.
 std::optional<ShadowFit> fit_shadow(const Camera& camera, const Bounds& scene, const glm::dvec3& light_direction,
                                     std::uint32_t map_size);
 

@@ -24,9 +24,8 @@ std::string format_extension(const capture::Texture& texture) {
     std::string_view bytes, extension;
   };
   static constexpr Magic kMagic[] = {
-      {"\x89PNG", "png"}, {"\xff\xd8\xff", "jpg"}, {"BM", "bmp"},         {"GIF8", "gif"},        {"DDS ", "dds"},
-      {"8BPS", "psd"},    {"#?", "hdr"},           {"v/1\x01", "exr"},    {"II*", "tif"},         {"MM", "tif"},
-      {"RIFF", "webp"},
+      {"\x89PNG", "png"}, {"\xff\xd8\xff", "jpg"}, {"BM", "bmp"},  {"GIF8", "gif"}, {"DDS ", "dds"},  {"8BPS", "psd"},
+      {"#?", "hdr"},      {"v/1\x01", "exr"},      {"II*", "tif"}, {"MM", "tif"},   {"RIFF", "webp"},
   };
   const std::string_view head(reinterpret_cast<const char*>(texture.bytes.data()),
                               std::min<std::size_t>(texture.bytes.size(), 16));
@@ -38,7 +37,9 @@ std::string format_extension(const capture::Texture& texture) {
   return "tga";  // the one common format without a magic number
 }
 
-std::string title(const capture::Texture& texture) { return "texture '" + texture.name + "'"; }
+std::string title(const capture::Texture& texture) {
+  return "texture '" + texture.name + "'";
+}
 
 Mipmaps decode_file(const capture::Texture& texture) {
   OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(texture.bytes.data()), texture.bytes.size());
@@ -56,7 +57,8 @@ Mipmaps decode_file(const capture::Texture& texture) {
       static_cast<std::uint32_t>(spec.height) > capture::kMaxTextureSide)
     throw InputError(title(texture),
                      fmt::format("{}x{} texels with {} channels; at most {} a side", spec.width, spec.height,
-                                 spec.nchannels, capture::kMaxTextureSide), name);
+                                 spec.nchannels, capture::kMaxTextureSide),
+                     name);
   const std::size_t texels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
   const int channels = std::min(spec.nchannels, 4);
   std::vector<std::uint8_t> read(texels * static_cast<std::size_t>(channels));
@@ -205,8 +207,10 @@ Mipmaps decode_texture(const capture::Texture& texture) {
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(texture.bytes.data());
   if (texture.width == 0 || texture.height == 0 ||
       texture.bytes.size() != std::size_t{texture.width} * texture.height * 4)
-    throw InputError(title(texture), fmt::format("{} bytes are not {}x{} texels of 4", texture.bytes.size(),
-                                                 texture.width, texture.height), "rgba8");
+    throw InputError(
+        title(texture),
+        fmt::format("{} bytes are not {}x{} texels of 4", texture.bytes.size(), texture.width, texture.height),
+        "rgba8");
   image.levels.emplace_back(bytes, bytes + texture.bytes.size());
   return image;
 }

@@ -26,11 +26,11 @@ struct TextureLevel {
 // One turn: a shift of the image under the rasteriser's four samples. The target is a pixel larger each way, and each
 // output pixel takes the samples that the shift brings into it: one of each kind, maybe from neighbouring texels.
 struct TurnConstants {
-  vec4 clip;         // scale in x, y and offset in x, y of clip positions
-  vec4 offset01;     // where samples 0 and 1 lie in their output pixel, pixels from its corner
+  vec4 clip;      // scale in x, y and offset in x, y of clip positions
+  vec4 offset01;  // where samples 0 and 1 lie in their output pixel, pixels from its corner
   vec4 offset23;
-  uvec4 texel;       // sample s is in the texel (pixel + (bit 2s, bit 2s+1) of x)
-  uvec4 number;      // x: number of the turn, y: turns in all
+  uvec4 texel;   // sample s is in the texel (pixel + (bit 2s, bit 2s+1) of x)
+  uvec4 number;  // x: number of the turn, y: turns in all
 };
 
 #ifdef __cplusplus

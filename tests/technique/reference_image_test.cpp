@@ -35,8 +35,12 @@ double mean_red(const Image& image) {
 }
 
 // Pixel coordinates of the image to world coordinates of flat_capture().
-float world_x(double pixel) { return static_cast<float>(2 * pixel / kSide - 1); }
-float world_y(double pixel) { return static_cast<float>(1 - 2 * pixel / kSide); }
+float world_x(double pixel) {
+  return static_cast<float>(2 * pixel / kSide - 1);
+}
+float world_y(double pixel) {
+  return static_cast<float>(1 - 2 * pixel / kSide);
+}
 
 TEST(ReferenceTurns, SamplesOfAllTurnsFillThePixelEvenly) {
   for (const std::uint32_t turns : {1u, 16u, 128u}) {
@@ -96,8 +100,8 @@ TEST(ReferenceImage, NearerTrianglesHideAndTheSkyFillsTheRest) {
   capture.frames[0].sky = {0.25f, 0.5f, 0.125f};
   const auto dim = add_emitter(capture, {0.5f, 0, 0}), bright = add_emitter(capture, {2, 0, 0});
   add_triangles(capture, rectangle(-1, -1, 0, 1, 0.5f), bright);
-  add_triangles(capture, rectangle(-1, -1, 0, 1, 0.25f), dim);   // behind the first
-  add_triangles(capture, rectangle(-1, 0, 0, 1, 0.75f), dim);    // before it, upper half
+  add_triangles(capture, rectangle(-1, -1, 0, 1, 0.25f), dim);  // behind the first
+  add_triangles(capture, rectangle(-1, 0, 0, 1, 0.75f), dim);   // before it, upper half
   const auto image = render(capture, 16);
   EXPECT_EQ(red(image, 5, 25), 2.0f);
   EXPECT_EQ(red(image, 5, 5), 0.5f);
@@ -190,7 +194,8 @@ TEST(ReferenceImage, TexturesAreWhereTheirCoordinatesSay) {
   auto capture = flat_capture(kSide, kSide);
   const auto material = add_emitter(capture, {1, 1, 1});
   auto& m = capture.materials[material];
-  m.emissive_texture = add_texture(capture, 2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 188, 188, 188, 255}, true);
+  m.emissive_texture =
+      add_texture(capture, 2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 188, 188, 188, 255}, true);
   capture.frames[0].ambient = {0, 0, 0};
   auto& draw = add_triangles(capture, rectangle(-1, -1, 1, 1, 0), material);
   draw.uv = {add_buffer(capture, rectangle_uvs()), capture::VertexFormat::float32x2, 0, 8};
@@ -218,9 +223,9 @@ TEST(ReferenceImage, TheSunsShadowFallsWhereItShould) {
   const auto image = render(capture, 16, 64);
   const auto x = [](double world) { return static_cast<std::uint32_t>((world + 1) * 32); };
   EXPECT_GT(red(image, x(0.6), 32), 0.3f);
-  EXPECT_GT(red(image, x(-0.5), 32), 0.3f);   // the plate's top
-  EXPECT_EQ(red(image, x(0.0), 32), 0.0f);    // the middle of its shadow
-  EXPECT_GT(red(image, x(0.0), 8), 0.3f);     // beside it
+  EXPECT_GT(red(image, x(-0.5), 32), 0.3f);  // the plate's top
+  EXPECT_EQ(red(image, x(0.0), 32), 0.0f);   // the middle of its shadow
+  EXPECT_GT(red(image, x(0.0), 8), 0.3f);    // beside it
   EXPECT_GT(red(image, x(0.32), 32), 0.3f);
   EXPECT_LT(red(image, x(0.2), 32), 0.01f);
 }
@@ -232,8 +237,8 @@ TEST(ReferenceImage, BrokenVerticesLeaveTheRestAsItIs) {
   const auto material = add_emitter(capture, {1, 0, 0});
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   auto corners = rectangle(-1, -1, 1, 0, 0);
-  corners.insert(corners.end(), {nan, 0, 0, 1, 1, 0, 0, 1, 0, 0, infinity, 0, 1, 1, 0, 0, 1, 0, 3e38f, 3e38f, -3e38f, 1, 1, 0,
-                                 -3e38f, 1, 0});
+  corners.insert(corners.end(), {nan, 0, 0, 1, 1,     0,     0,      1, 0, 0, infinity, 0, 1, 1,
+                                 0,   0, 1, 0, 3e38f, 3e38f, -3e38f, 1, 1, 0, -3e38f,   1, 0});
   add_triangles(capture, corners, material);
   auto& draw = add_triangles(capture, rectangle(-1, 0, 1, 1, 0), material);
   draw.transform[0] = nan;
@@ -284,13 +289,13 @@ TEST(ReferenceImage, ReportsEachTurnAndRefusesOddSampleCounts) {
 TEST(ReferenceTriangles, AreThoseThatCanBeSeen) {
   auto capture = flat_capture(kSide, kSide);
   const auto material = add_emitter(capture, {1, 1, 1});
-  add_triangles(capture, rectangle(-1, -1, 1, 1, 0), material);             // seen
-  add_triangles(capture, rectangle(1.5f, -1, 3, 1, 0), material);           // right of the image
-  add_triangles(capture, rectangle(-1, -1, 1, 1, 5), material);             // before the near plane
-  add_triangles(capture, rectangle(1, -1, -1, 1, 0), material);             // from behind
-  add_triangles(capture, {0, 0, 0, 0.5f, 0, 0, 1, 0, 0}, material);         // a line
-  add_triangles(capture, rectangle(-1, -1, -1.01f, -1, 0), material);       // no height
-  add_triangles(capture, {-9, -9, 0, 9, -9, 0, 0, 9, 0}, material);         // around everything
+  add_triangles(capture, rectangle(-1, -1, 1, 1, 0), material);        // seen
+  add_triangles(capture, rectangle(1.5f, -1, 3, 1, 0), material);      // right of the image
+  add_triangles(capture, rectangle(-1, -1, 1, 1, 5), material);        // before the near plane
+  add_triangles(capture, rectangle(1, -1, -1, 1, 0), material);        // from behind
+  add_triangles(capture, {0, 0, 0, 0.5f, 0, 0, 1, 0, 0}, material);    // a line
+  add_triangles(capture, rectangle(-1, -1, -1.01f, -1, 0), material);  // no height
+  add_triangles(capture, {-9, -9, 0, 9, -9, 0, 0, 9, 0}, material);    // around everything
   GpuScene scene(test_device(), capture, {});
   scene.set_frame(0, kSide, kSide);
   const auto list = visible_triangles(scene);

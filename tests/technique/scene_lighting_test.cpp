@@ -87,9 +87,8 @@ class Textbook {
     }
     const double d_term = normal_half * normal_half * (a2 - 1) + 1;
     const double distribution = a2 / (kPi * d_term * d_term);
-    const double visibility =
-        0.5 / (normal_light * std::sqrt(normal_view_ * normal_view_ * (1 - a2) + a2) +
-               normal_view_ * std::sqrt(normal_light * normal_light * (1 - a2) + a2));
+    const double visibility = 0.5 / (normal_light * std::sqrt(normal_view_ * normal_view_ * (1 - a2) + a2) +
+                                     normal_view_ * std::sqrt(normal_light * normal_light * (1 - a2) + a2));
     const glm::dvec3 fresnel = f0_ + (1.0 - f0_) * std::pow(1 - std::clamp(glm::dot(v_, half), 0.0, 1.0), 5);
     return (diffuse_ / kPi * (1.0 - fresnel) + fresnel * (distribution * visibility)) * normal_light;
   }
@@ -111,8 +110,8 @@ class Textbook {
 glm::dvec3 expected_radiance(const capture::Frame& frame, const Probe& probe, Model model) {
   const auto vec = [](const capture::Float3& v) { return glm::dvec3(v[0], v[1], v[2]); };
   const Textbook brdf(probe, model);
-  glm::dvec3 radiance = vec(frame.ambient) * brdf.ambient() * static_cast<double>(probe.albedo_occlusion.w) +
-                        glm::dvec3(probe.emissive);
+  glm::dvec3 radiance =
+      vec(frame.ambient) * brdf.ambient() * static_cast<double>(probe.albedo_occlusion.w) + glm::dvec3(probe.emissive);
   radiance += vec(frame.sun->irradiance) * brdf.reflected(-glm::normalize(vec(frame.sun->direction)));
   for (const auto& light : frame.point_lights) {
     const glm::dvec3 to_light = vec(light.position) - glm::dvec3(probe.position_roughness);
@@ -135,7 +134,8 @@ std::vector<Probe> random_probes(std::uint32_t count) {
   };
   std::vector<Probe> probes(count);
   for (auto& probe : probes) {
-    probe.position_roughness = {3 * signed_unit(random), 3 * signed_unit(random), 3 * signed_unit(random), unit(random)};
+    probe.position_roughness = {3 * signed_unit(random), 3 * signed_unit(random), 3 * signed_unit(random),
+                                unit(random)};
     probe.normal_metallic = glm::vec4(direction(), unit(random) < 0.3f ? 1.0f : unit(random));
     probe.albedo_occlusion = {unit(random), unit(random), unit(random), unit(random)};
     probe.emissive = {unit(random), 0, 2 * unit(random), 0};
@@ -161,15 +161,27 @@ TEST_P(SceneLighting, EqualsTheEquationInDoubles) {
 }
 
 TEST_P(SceneLighting, IsFiniteAndNotNegativeForEveryFiniteSurface) {
-  const float values[] = {0.0f, -0.0f, 1e-30f, 1e-6f, 0.5f, 1.0f, -1.0f, 3.0f, 1e10f, -1e10f, 1e30f,
-                          std::numeric_limits<float>::max(), -std::numeric_limits<float>::max(),
+  const float values[] = {0.0f,
+                          -0.0f,
+                          1e-30f,
+                          1e-6f,
+                          0.5f,
+                          1.0f,
+                          -1.0f,
+                          3.0f,
+                          1e10f,
+                          -1e10f,
+                          1e30f,
+                          std::numeric_limits<float>::max(),
+                          -std::numeric_limits<float>::max(),
                           std::numeric_limits<float>::denorm_min()};
   std::mt19937 random(11);
   auto probes = random_probes(40000);
   const auto wild = [&] { return values[random() % std::size(values)]; };
   for (auto& probe : probes) {
     // One to all of the inputs are replaced by something extreme; the view direction stays unit, as passes make it.
-    for (glm::vec4* vector : {&probe.position_roughness, &probe.normal_metallic, &probe.albedo_occlusion, &probe.emissive})
+    for (glm::vec4* vector :
+         {&probe.position_roughness, &probe.normal_metallic, &probe.albedo_occlusion, &probe.emissive})
       for (int c = 0; c < 4; ++c)
         if (random() % 3 == 0) (*vector)[c] = wild();
     if (random() % 4 == 0) probe.view = -probe.normal_metallic;

@@ -54,8 +54,8 @@ TEST(SceneCamera, AllConventionsGiveTheSameClipPositions) {
   const glm::dvec4 clip = expected.view_projection * point;
   EXPECT_GT(clip.z / clip.w, 0);
   EXPECT_LT(clip.z / clip.w, 1);
-  for (const auto depth : {capture::ClipDepth::zero_to_one, capture::ClipDepth::one_to_zero,
-                           capture::ClipDepth::minus_one_to_one})
+  for (const auto depth :
+       {capture::ClipDepth::zero_to_one, capture::ClipDepth::one_to_zero, capture::ClipDepth::minus_one_to_one})
     for (const bool y_up : {false, true}) {
       const Camera camera = camera_of(frame_in(depth, y_up), 0);
       const glm::dvec4 found = camera.view_projection * point;
@@ -88,7 +88,8 @@ TEST(SceneCamera, VisibleCornersBoundWhatIsSeen) {
   // Points of the scene that project into the image are inside the box of the corners.
   int inside = 0;
   for (int i = 0; i < 5000; ++i) {
-    const glm::dvec3 unit(std::fmod(i * 0.7548776662, 1), std::fmod(i * 0.5698402910, 1), std::fmod(i * 0.3819660113, 1));
+    const glm::dvec3 unit(std::fmod(i * 0.7548776662, 1), std::fmod(i * 0.5698402910, 1),
+                          std::fmod(i * 0.3819660113, 1));
     const glm::dvec3 point = scene.low + scene.size() * unit;
     const glm::dvec4 clip = camera.view_projection * glm::dvec4(point, 1);
     if (std::abs(clip.x) > clip.w || std::abs(clip.y) > clip.w || clip.z < 0 || clip.z > clip.w) continue;

@@ -63,7 +63,9 @@ inline std::vector<float> rectangle(float x0, float y0, float x1, float y1, floa
 }
 
 // The uvs of rectangle()'s corners: (0, 0) at (x0, y1), the top left, as texture rows go.
-inline std::vector<float> rectangle_uvs() { return {0, 1, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0}; }
+inline std::vector<float> rectangle_uvs() {
+  return {0, 1, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0};
+}
 
 inline std::uint32_t add_texture(capture::Capture& capture, std::uint32_t width, std::uint32_t height,
                                  const std::vector<std::uint8_t>& texels, bool srgb) {

@@ -75,8 +75,8 @@ TEST(SceneGeometry, BrokenVerticesDontReachBoundsNormalsOrUvs) {
   auto capture = flat_capture(8, 8);
   const auto material = add_emitter(capture, {1, 1, 1});
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-  capture::Draw& draw = add_triangles(
-      capture, {0, 0, 0, 1, 0, 0, 0, 1, 0, nan, 5, 5, infinity, 5, 5, 1e30f, 5, 5}, material);
+  capture::Draw& draw =
+      add_triangles(capture, {0, 0, 0, 1, 0, 0, 0, 1, 0, nan, 5, 5, infinity, 5, 5, 1e30f, 5, 5}, material);
   draw.normal = {add_buffer(capture, std::vector<float>(18, nan)), capture::VertexFormat::float32x3, 0, 12};
   draw.uv = {add_buffer(capture, std::vector<float>(12, infinity)), capture::VertexFormat::float32x2, 0, 8};
   const auto f = fill(capture, {true, false});

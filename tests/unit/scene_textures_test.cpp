@@ -77,8 +77,7 @@ TEST(SceneTextures, DecodesImageFilesOfOneToFourChannels) {
       {1, {51, 51, 51, 255}}, {3, {51, 102, 153, 255}}, {4, {51, 102, 153, 204}}};
   for (const auto& [channels, expected] : cases) {
     Image image(3, 2, channels);
-    for (std::size_t i = 0; i < image.pixels.size(); ++i)
-      image.pixels[i] = 0.2f * static_cast<float>(i % channels + 1);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = 0.2f * static_cast<float>(i % channels + 1);
     const auto png = encode_png(image);
     capture::Texture texture{"picture", capture::TextureEncoding::image_file, true, 0, 0, {}};
     texture.bytes.assign(reinterpret_cast<const std::byte*>(png.data()),
