@@ -16,13 +16,6 @@ bool finite(const glm::dmat4& m) {
   return true;
 }
 
-// Points p with dot(normal, p) + offset >= 0; the normal is unit.
-struct HalfSpace {
-  glm::dvec3 normal{0};
-  double offset = 0;
-  double distance(const glm::dvec3& p) const { return glm::dot(normal, p) + offset; }
-};
-
 }  // namespace
 
 glm::dmat4 matrix(const capture::Matrix4& column_major) {
@@ -59,7 +52,8 @@ Camera camera_of(const capture::Frame& frame, std::uint32_t index) {
   return camera;
 }
 
-std::vector<glm::dvec3> visible_corners(const Camera& camera, const Bounds& bounds) {
+std::vector<glm::dvec3> visible_corners(const Camera& camera, const Bounds& bounds,
+                                        const std::optional<HalfSpace>& part) {
   std::vector<glm::dvec3> corners;
   if (bounds.empty()) return corners;
   std::vector<HalfSpace> spaces;
@@ -77,6 +71,7 @@ std::vector<glm::dvec3> visible_corners(const Camera& camera, const Bounds& boun
     // The far plane of an infinite projection has no direction; all finite points are before it.
     if (length > 1e-12 * glm::length(plane)) spaces.push_back({glm::dvec3(plane) / length, plane.w / length});
   }
+  if (part) spaces.push_back(*part);
   // Few planes: every corner is where three of them meet inside all others.
   const double tolerance = 1e-7 * (glm::length(bounds.size()) + 1e-30);
   for (std::size_t i = 0; i < spaces.size(); ++i)

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "capture_format/capture.hpp"
@@ -22,7 +23,16 @@ glm::dmat4 matrix(const capture::Matrix4& column_major);
 // naming the frame when a matrix is not finite or can't be inverted.
 Camera camera_of(const capture::Frame& frame, std::uint32_t index);
 
-// The part of `bounds` that the camera sees, as corner points of the common volume; empty when nothing is seen.
-std::vector<glm::dvec3> visible_corners(const Camera& camera, const Bounds& bounds);
+// Points p with dot(normal, p) + offset >= 0; the normal is unit.
+struct HalfSpace {
+  glm::dvec3 normal{0};
+  double offset = 0;
+  double distance(const glm::dvec3& p) const { return glm::dot(normal, p) + offset; }
+};
+
+// The part of `bounds` that the camera sees, and that is in `part`, as corner points of the common volume; empty when
+// nothing is seen.
+std::vector<glm::dvec3> visible_corners(const Camera& camera, const Bounds& bounds,
+                                        const std::optional<HalfSpace>& part = std::nullopt);
 
 }  // namespace subpixel::replay

@@ -249,9 +249,9 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
                   instance, 0};
 
   value.sun_direction = {0, -1, 0, 0};
-  // A map that nothing falls on: every point is beside it, and so lit.
-  value.shadow_matrix = glm::mat4(0);
-  value.shadow_matrix[3] = {-1, -1, 0, 1};
+  // Cascades that hold no point: everything is beside them, and so lit.
+  value.shadow_matrix = glm::mat4(1);
+  for (auto& cascade : value.shadow_cascades) cascade = {0, -1, -1, 0};
   std::optional<ShadowFit> fit;
   if (frame.sun) {
     const glm::dvec3 direction(frame.sun->direction[0], frame.sun->direction[1], frame.sun->direction[2]);
@@ -260,12 +260,16 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
       value.sun_direction = glm::vec4(glm::vec3(direction / length), 0);
       value.sun_irradiance = vec4_of(frame.sun->irradiance);
       if (frame.sun->shadows && features_.has(FEATURE_SHADOWS))
-        fit = fit_shadow(camera, bounds, direction, impl_->options.shadow_map_size);
+        fit = fit_shadow(camera, bounds, direction, impl_->options.shadow_map_size / 2);
     }
   }
   if (fit) {
-    value.shadow_matrix = glm::mat4(fit->world_to_map);
-    value.sun_direction.w = static_cast<float>(fit->texel);
+    value.shadow_matrix = glm::mat4(fit->world_to_light);
+    value.sun_direction.w = static_cast<float>(fit->depth_per_unit);
+    for (std::size_t c = 0; c < fit->cascades.size(); ++c) {
+      const auto& cascade = fit->cascades[c];
+      value.shadow_cascades[c] = glm::vec4(cascade.scale, cascade.offset, cascade.texel);
+    }
   }
   frame_constants.as<gpu_types::FrameConstants>()[0] = value;
   if (fit) render_shadow_map(device_, *this, impl_->shadow_commands, *fit);

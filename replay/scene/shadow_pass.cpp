@@ -33,6 +33,7 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, gpu::Buffer& comman
   pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_LESS;
   pass.pipeline.depth_write = true;
+  const gpu::RasterDescription opaque = pass.pipeline;
   gpu::RasterDescription tested = pass.pipeline;
   tested.vertex = "scene/shadow.vert:TESTED";
   tested.fragment = "scene/shadow.frag";
@@ -42,21 +43,27 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, gpu::Buffer& comman
   pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, scene.materials)};
   pass.indices_and_indirect = {&scene.indices, &commands};
   pass.by_address = {&scene.positions, &scene.uvs, &scene.instances};
-  ShadowPush push{glm::mat4(fit.world_to_clip), scene.positions.address(), scene.uvs.address(),
-                  scene.instances.address(), 0};
+  ShadowPush push{glm::mat4(1), scene.positions.address(), scene.uvs.address(), scene.instances.address(), 0};
   pass.push = gpu::PushConstants(push);
+  const auto side = static_cast<float>(scene.shadow_map.description().width / 2);
   pass.draws = [&](gpu::DrawEncoder& encoder) {
     encoder.index_buffer(scene.indices);
-    if (solid > 0) encoder.draw_indexed_indirect(commands, 0, solid);
-    if (solid == draws.size()) return;
-    encoder.pipeline(tested);
-    for (std::size_t i = solid; i < draws.size(); ++i) {
-      if (i == solid || draws[i].material != draws[i - 1].material) {
-        push.material = draws[i].material;
-        encoder.push(gpu::PushConstants(push));
-        encoder.material(scene.material_set(draws[i].material));
+    for (std::uint32_t c = 0; c < SUBPIXEL_SHADOW_CASCADES; ++c) {
+      if (fit.cascades[c].scale == 0) continue;
+      encoder.viewport(static_cast<float>(c & 1) * side, static_cast<float>(c >> 1) * side, side, side);
+      push.world_to_clip = glm::mat4(fit.world_to_clip(c));
+      encoder.push(gpu::PushConstants(push));
+      encoder.pipeline(opaque);
+      if (solid > 0) encoder.draw_indexed_indirect(commands, 0, solid);
+      if (solid < draws.size()) encoder.pipeline(tested);
+      for (std::size_t i = solid; i < draws.size(); ++i) {
+        if (i == solid || draws[i].material != draws[i - 1].material) {
+          push.material = draws[i].material;
+          encoder.push(gpu::PushConstants(push));
+          encoder.material(scene.material_set(draws[i].material));
+        }
+        encoder.draw_indexed_indirect(commands, i * sizeof(VkDrawIndexedIndirectCommand), 1);
       }
-      encoder.draw_indexed_indirect(commands, i * sizeof(VkDrawIndexedIndirectCommand), 1);
     }
   };
   gpu::PassRecorder recorder(device);

@@ -14,32 +14,47 @@ layout(set = 0, binding = 19) uniform sampler2D shadow_map;
 const float kInnermostFraction = 0.01;
 const float kRadianceCeiling = 60000.0;  // stays finite in half floats
 
+// Texels around a point that its filter and its lift may need: a point nearer to a cascade's border uses the next one.
+const float kShadowMargin = 8.0;
+
 // The lit fraction of the 3x3 texels around a point, borders weighted by overlap: a box filter that moves smoothly.
-// The receiver is lifted along its normal by more than the filter's reach as its slope to the light grows.
+// The point is lifted along its normal by the filter's reach times the sine of the sun's angle, plus a little.
 float sun_visibility(vec3 position, vec3 normal, float normal_light) {
-  float lift = frame.sun_direction.w * (0.6 + 2.4 * (1.0 - normal_light));
-  vec4 lifted = frame.shadow_matrix * vec4(position + normal * lift, 1.0);
-  lifted = clamp(lifted, -1.0, 2.0);  // far outside is lit anyway, and gathers want finite coordinates
-  vec2 size = vec2(textureSize(shadow_map, 0));
-  vec2 texel = lifted.xy * size - 0.5;
+  vec3 point = (frame.shadow_matrix * vec4(position, 1.0)).xyz;
+  float side = 0.5 * float(textureSize(shadow_map, 0).x);  // texels of a cascade
+  vec4 cascade = frame.shadow_cascades[SUBPIXEL_SHADOW_CASCADES - 1];
+  vec2 quadrant = vec2(1.0);
+  for (int c = SUBPIXEL_SHADOW_CASCADES - 2; c >= 0; --c) {
+    vec4 nearer = frame.shadow_cascades[c];
+    vec2 from_centre = abs(point.xy * nearer.x + nearer.yz - 0.5);
+    bool inside = max(from_centre.x, from_centre.y) < 0.5 - kShadowMargin / side;
+    cascade = inside ? nearer : cascade;
+    quadrant = inside ? vec2(c & 1, c >> 1) : quadrant;
+  }
+  float lift = cascade.w * (0.5 + 2.5 * sqrt(max(1.0 - normal_light * normal_light, 0.0)));
+  point += (frame.shadow_matrix * vec4(normal * lift, 0.0)).xyz;
+  vec2 local = point.xy * cascade.x + cascade.yz;
+  bool covered = all(greaterThanEqual(local, vec2(0.0))) && all(lessThanEqual(local, vec2(1.0)));
+  // Far outside is lit anyway; gathers want finite coordinates, and none of another cascade.
+  local = clamp(local, 2.0 / side, 1.0 - 2.0 / side);
+  vec2 texel = (local + quadrant) * side - 0.5;
   vec2 corner = floor(texel);
   vec2 f = texel - corner;
-  vec2 inverse_size = 1.0 / size;
   // Gathers return the 2x2 texels around a corner they share, counter-clockwise from (0, 1).
-  vec2 base = corner * inverse_size;
+  float unit = 0.5 / side;
+  vec2 base = corner * unit;
   vec4 g00 = textureGather(shadow_map, base);
-  vec4 g20 = textureGather(shadow_map, base + vec2(2.0, 0.0) * inverse_size);
-  vec4 g02 = textureGather(shadow_map, base + vec2(0.0, 2.0) * inverse_size);
-  vec4 g22 = textureGather(shadow_map, base + vec2(2.0, 2.0) * inverse_size);
-  float z = min(lifted.z, 1.0);
+  vec4 g20 = textureGather(shadow_map, base + vec2(2.0 * unit, 0.0));
+  vec4 g02 = textureGather(shadow_map, base + vec2(0.0, 2.0 * unit));
+  vec4 g22 = textureGather(shadow_map, base + vec2(2.0 * unit));
+  float z = min(point.z - cascade.w * frame.sun_direction.w, 1.0);
   vec4 lit00 = vec4(lessThanEqual(vec4(z), g00)), lit20 = vec4(lessThanEqual(vec4(z), g20));
   vec4 lit02 = vec4(lessThanEqual(vec4(z), g02)), lit22 = vec4(lessThanEqual(vec4(z), g22));
   vec4 row0 = vec4(lit00.wz, lit20.wz), row1 = vec4(lit00.xy, lit20.xy);
   vec4 row2 = vec4(lit02.wz, lit22.wz), row3 = vec4(lit02.xy, lit22.xy);
   vec4 across = vec4(1.0 - f.x, 1.0, 1.0, f.x);
   float sum = dot(row0 * (1.0 - f.y) + row1 + row2 + row3 * f.y, across);
-  bool inside = all(greaterThanEqual(lifted.xy, vec2(0.0))) && all(lessThanEqual(lifted.xy, vec2(1.0)));
-  return inside ? sum * (1.0 / 9.0) : 1.0;
+  return covered ? sum * (1.0 / 9.0) : 1.0;
 }
 
 // Radiance towards the eye along `view_direction`, the unit vector from the surface to the eye.

@@ -12,6 +12,8 @@ using glm::vec4;
 #endif
 
 #define SUBPIXEL_MAX_POINT_LIGHTS 256
+// Shadow maps of growing reach around the eye, in the quadrants of one image: 0 1 over 2 3.
+#define SUBPIXEL_SHADOW_CASCADES 4
 
 // What a scene needs, as bits of specialization constant 1 and of SceneFeatures. A clear bit removes the code.
 #define FEATURE_BASE_TEXTURE 1u       // some material has a base colour texture
@@ -37,15 +39,16 @@ struct FrameConstants {
   mat4 view_projection;          // world to clip: Vulkan conventions, reversed depth
   mat4 inverse_view_projection;  // clip to world
   mat4 view;                     // world to view
-  mat4 shadow_matrix;            // world to shadow map: xy texture coordinates, z depth (0 near, 1 far)
+  mat4 shadow_matrix;            // world to the sun's view: xy in world units, z depth (0 nearest caster, 1 beyond all)
   vec4 eye;                      // world position
-  vec4 sun_direction;            // unit, the way the light travels; w: shadow map texel size in world units
+  vec4 sun_direction;            // unit, the way the light travels; w: shadow depth per world unit
   vec4 sun_irradiance;
   vec4 ambient;
   vec4 sky;
   vec4 viewport;                 // width, height, 1/width, 1/height in pixels
   vec4 tone;                     // exposure, unused
   uvec4 counts;                  // point lights, materials, instances, unused
+  vec4 shadow_cascades[SUBPIXEL_SHADOW_CASCADES];  // x scale and yz offset to [0, 1] of the cascade, w texel in world units
   PointLightConstants point_lights[SUBPIXEL_MAX_POINT_LIGHTS];
 };
 
@@ -72,7 +75,7 @@ struct MaterialRecord {
 
 #ifdef __cplusplus
 static_assert(sizeof(PointLightConstants) == 32);
-static_assert(sizeof(FrameConstants) == 4 * 64 + 8 * 16 + SUBPIXEL_MAX_POINT_LIGHTS * 32);
+static_assert(sizeof(FrameConstants) == 4 * 64 + 8 * 16 + SUBPIXEL_SHADOW_CASCADES * 16 + SUBPIXEL_MAX_POINT_LIGHTS * 32);
 static_assert(sizeof(InstanceRecord) == 96);
 static_assert(sizeof(MaterialRecord) == 64);
 }  // namespace subpixel::gpu_types

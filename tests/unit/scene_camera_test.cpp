@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
@@ -107,34 +108,37 @@ TEST(SceneCamera, VisibleCornersBoundWhatIsSeen) {
   EXPECT_TRUE(visible_corners(camera, behind).empty());
 }
 
-TEST(SceneShadow, CoversWhatIsSeenAndMovesByWholeTexels) {
+TEST(SceneShadow, CascadesCoverWhatIsSeenAndMoveByWholeTexels) {
+  constexpr std::uint32_t kSide = 512;
   Bounds scene;
   scene.add({-30, 0, -30});
   scene.add({30, 3, 30});
-  const glm::dvec3 sun(0.3, -1, 0.2);
-  const glm::dvec3 mark(0.2, 0.5, -1.5);
-  glm::dvec2 first_place(0);
+  const glm::dvec3 sun(0.3, -1, 0.2), mark(0.2, 0.5, -1.5);
+  std::array<glm::dvec2, SUBPIXEL_SHADOW_CASCADES> first_place;
   for (int step = 0; step < 8; ++step) {
     const glm::dvec3 eye = glm::dvec3(1, 2, 3) + glm::dvec3(0.013, 0, 0.007) * static_cast<double>(step);
     const Camera camera = camera_of(frame_in(capture::ClipDepth::one_to_zero, false, eye), 0);
-    const auto fit = fit_shadow(camera, scene, sun, 512);
+    const auto fit = fit_shadow(camera, scene, sun, kSide);
     ASSERT_TRUE(fit);
     for (const auto& corner : visible_corners(camera, scene)) {
-      const glm::dvec4 place = fit->world_to_map * glm::dvec4(corner, 1);
-      for (int axis = 0; axis < 2; ++axis) {
-        EXPECT_GT(place[axis], 2.0 / 512);
-        EXPECT_LT(place[axis], 1 - 2.0 / 512);
-      }
+      const glm::dvec4 place = fit->world_to_clip(SUBPIXEL_SHADOW_CASCADES - 1) * glm::dvec4(corner, 1);
+      for (int axis = 0; axis < 2; ++axis) EXPECT_LT(std::abs(place[axis]), 1 - 20.0 / kSide);
       EXPECT_GT(place.z, 0);
       EXPECT_LT(place.z, 1);
     }
-    const glm::dvec2 place = glm::dvec2(fit->world_to_map * glm::dvec4(mark, 1)) * 512.0;
-    if (step == 0) first_place = place;
-    const glm::dvec2 moved = place - first_place;
-    EXPECT_NEAR(moved.x, std::round(moved.x), 1e-6);
-    EXPECT_NEAR(moved.y, std::round(moved.y), 1e-6);
+    for (std::size_t c = 0; c < fit->cascades.size(); ++c) {
+      const glm::dvec2 place = glm::dvec2(fit->world_to_clip(c) * glm::dvec4(mark, 1)) * (kSide / 2.0);
+      if (step == 0) first_place[c] = place;
+      const glm::dvec2 moved = place - first_place[c];
+      EXPECT_NEAR(moved.x, std::round(moved.x), 1e-6);
+      EXPECT_NEAR(moved.y, std::round(moved.y), 1e-6);
+      if (c > 0) {
+        EXPECT_GT(fit->cascades[c].texel, fit->cascades[c - 1].texel);
+      }
+    }
+    EXPECT_LT(fit->cascades[0].texel, fit->cascades[3].texel / 8);
   }
-  EXPECT_FALSE(fit_shadow(camera_of(frame_in(capture::ClipDepth::one_to_zero, false), 0), scene, {0, 0, 0}, 512));
+  EXPECT_FALSE(fit_shadow(camera_of(frame_in(capture::ClipDepth::one_to_zero, false), 0), scene, {0, 0, 0}, kSide));
 }
 
 }  // namespace
