@@ -59,25 +59,27 @@ glm::dmat4 normal_placement(const Model& model, const ModelReference& reference)
   return scaling({scale, scale, scale}) * translation(-foot);
 }
 
-void set_two_sided(Model& model, const ModelReference& reference) {
-  for (Material& material : model.materials) {
-    if (reference.all_two_sided) material.two_sided = true;
-  }
-  for (const std::string& name : reference.two_sided) {
-    const auto found = std::find_if(model.materials.begin(), model.materials.end(),
-                                    [&](const Material& material) { return material.name == name; });
-    if (found == model.materials.end()) {
-      std::string known;
-      for (const Material& material : model.materials) known += (known.empty() ? "" : ", ") + material.name;
-      throw InputError("can't import the scene", "model has no material " + name + ", only " + known, model.name);
-    }
-    found->two_sided = true;
+Material& material_named(Model& model, const std::string& name) {
+  const auto found = std::find_if(model.materials.begin(), model.materials.end(),
+                                  [&](const Material& material) { return material.name == name; });
+  if (found != model.materials.end()) return *found;
+  std::string known;
+  for (const Material& material : model.materials) known += (known.empty() ? "" : ", ") + material.name;
+  throw InputError("can't import the scene", "the model has no material " + name + ", only " + known, model.name);
+}
+
+void change_materials(Model& model, const ModelReference& reference) {
+  for (Material& material : model.materials) material.two_sided = material.two_sided || reference.all_two_sided;
+  for (const std::string& name : reference.two_sided) material_named(model, name).two_sided = true;
+  for (const auto& [name, radiance] : reference.emissive) {
+    material_named(model, name).emissive = {static_cast<float>(radiance.x), static_cast<float>(radiance.y),
+                                            static_cast<float>(radiance.z)};
   }
 }
 
 void draw_placed_model(SceneBuilder& scene, const std::string& name, Model& model, const ModelReference& reference,
                        const std::vector<Placement>& placements) {
-  set_two_sided(model, reference);
+  change_materials(model, reference);
   merge_parts(model);
   const glm::dmat4 normal = normal_placement(model, reference);
   std::vector<glm::dmat4> places;

@@ -8,6 +8,11 @@
 #include "capture_format/import/asset_source.hpp"
 
 namespace subpixel::capture {
+namespace {
+
+constexpr double kLargest = 1e12;  // of a coordinate or radiance: float must hold it and what is computed with it
+
+}  // namespace
 
 nlohmann::json parse_json_file(const std::filesystem::path& path) {
   const auto bytes = open_folder(path.parent_path())->read(path.filename().string());
@@ -101,7 +106,16 @@ glm::dvec3 JsonFields::vec3(const std::string& key, std::optional<glm::dvec3> fa
   asked_.insert(key);
   if (fallback && !has(key)) return *fallback;
   const std::vector<double> list = numbers(key, 3);
+  for (const double number : list) {
+    if (std::abs(number) > kLargest) fail(key, fmt::format("{} is beyond {}", number, kLargest));
+  }
   return {list[0], list[1], list[2]};
+}
+
+glm::dvec3 JsonFields::light(const std::string& key) {
+  const glm::dvec3 value = vec3(key);
+  if (value.x < 0 || value.y < 0 || value.z < 0) fail(key, "negative");
+  return value;
 }
 
 std::vector<glm::dvec2> JsonFields::points2(const std::string& key) {

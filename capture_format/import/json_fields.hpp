@@ -32,6 +32,7 @@ class JsonFields {
   bool flag(const std::string& key, bool fallback);
   std::string text(const std::string& key, std::optional<std::string> fallback = {});
   glm::dvec3 vec3(const std::string& key, std::optional<glm::dvec3> fallback = {});
+  glm::dvec3 light(const std::string& key);  // a vec3 of numbers not below 0
   std::vector<double> numbers(const std::string& key, std::size_t count);
   std::vector<glm::dvec2> points2(const std::string& key);
   std::vector<std::string> texts(const std::string& key);

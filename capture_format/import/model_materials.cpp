@@ -155,17 +155,26 @@ float roughness_of_exponent(float exponent) {
   return unit(std::sqrt(std::sqrt(2.0f / (std::max(exponent, 0.0f) + 2.0f))));
 }
 
-void set_base_colour(const aiMaterial& from, TextureLibrary& textures, Material& material) {
-  aiColor4D colour(1, 1, 1, 1);
-  if (from.Get(AI_MATKEY_BASE_COLOR, colour) != aiReturn_SUCCESS) {
-    aiColor3D diffuse(0.8f, 0.8f, 0.8f);
-    from.Get(AI_MATKEY_COLOR_DIFFUSE, diffuse);
-    colour = {diffuse.r, diffuse.g, diffuse.b, property<float>(from, AI_MATKEY_OPACITY).value_or(1.0f)};
-  }
-  material.base_colour = {unit(colour.r), unit(colour.g), unit(colour.b), unit(colour.a)};
+// IEC 61966-2-1. Colours in MTL files and their like are meant for the screen.
+float linear_of_srgb(float value) {
+  const float c = unit(value);
+  return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+}
 
+// glTF's factor multiplies its texture; the diffuse colour of older formats stands in where there is no texture.
+void set_base_colour(const aiMaterial& from, TextureLibrary& textures, Material& material) {
   std::optional<std::string> name = textures.name_of(from, aiTextureType_BASE_COLOR);
   if (!name) name = textures.name_of(from, aiTextureType_DIFFUSE);
+  aiColor4D factor(1, 1, 1, 1);
+  if (from.Get(AI_MATKEY_BASE_COLOR, factor) == aiReturn_SUCCESS) {
+    material.base_colour = {unit(factor.r), unit(factor.g), unit(factor.b), unit(factor.a)};
+  } else {
+    aiColor3D diffuse(0.8f, 0.8f, 0.8f);
+    from.Get(AI_MATKEY_COLOR_DIFFUSE, diffuse);
+    if (name) diffuse = {1, 1, 1};
+    material.base_colour = {linear_of_srgb(diffuse.r), linear_of_srgb(diffuse.g), linear_of_srgb(diffuse.b),
+                            unit(property<float>(from, AI_MATKEY_OPACITY).value_or(1.0f))};
+  }
   const std::optional<std::string> opacity = textures.name_of(from, aiTextureType_OPACITY);
   if (name && opacity && *opacity != *name) {
     material.base_colour_texture = textures.add_combined(*name, *opacity, material.name);

@@ -42,7 +42,7 @@ std::pair<std::vector<CameraKey>, double> read_camera(JsonFields fields) {
 PointLight read_light(JsonFields& fields, const std::string& place) {
   PointLight light;
   light.position = to_float3(fields.vec3(place));
-  light.intensity = to_float3(fields.vec3("intensity"));
+  light.intensity = to_float3(fields.light("intensity"));
   light.range = static_cast<float>(fields.number_between("range", 1e-3, 1e6));
   fields.finish();
   return light;
@@ -50,12 +50,13 @@ PointLight read_light(JsonFields& fields, const std::string& place) {
 
 void read_environment(JsonFields& fields, Frame& frame) {
   frame.exposure = static_cast<float>(fields.number_between("exposure", 0, 1e6, 1.0));
-  if (fields.has("sky")) frame.sky = to_float3(fields.vec3("sky"));
-  if (fields.has("ambient")) frame.ambient = to_float3(fields.vec3("ambient"));
+  if (fields.has("sky")) frame.sky = to_float3(fields.light("sky"));
+  if (fields.has("ambient")) frame.ambient = to_float3(fields.light("ambient"));
   if (fields.has("sun")) {
     JsonFields sun = fields.object("sun");
-    frame.sun = DirectionalLight{to_float3(sun.vec3("direction")), to_float3(sun.vec3("irradiance")),
+    frame.sun = DirectionalLight{to_float3(sun.vec3("direction")), to_float3(sun.light("irradiance")),
                                  sun.flag("shadows", true)};
+    if (frame.sun->direction == Float3{0, 0, 0}) sun.fail("direction", "of length 0");
     sun.finish();
   }
   for (JsonFields& light : fields.objects("point_lights")) {
@@ -124,6 +125,11 @@ ModelReference read_model(JsonFields& fields) {
     model.all_two_sided = value->get<bool>();
   } else if (value != nullptr) {
     model.two_sided = fields.texts("two_sided");
+  }
+  if (const nlohmann::json* emissive = fields.value("emissive")) {
+    if (!emissive->is_object()) fields.fail("emissive", "not an object of radiances by material name");
+    JsonFields radiances = fields.object("emissive");
+    for (const auto& [name, radiance] : emissive->items()) model.emissive[name] = radiances.light(name);
   }
   if (fields.has("light")) {
     JsonFields light = fields.object("light");

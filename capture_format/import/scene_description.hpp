@@ -49,8 +49,9 @@ struct ModelReference {
   std::string file;
   std::array<double, 3> size_m{};  // width x, height y, depth z; the first that is not 0 sets the uniform scale
   bool all_two_sided = false;
-  std::vector<std::string> two_sided;  // names of materials
-  std::optional<PointLight> light;     // position relative to the placed model's foot
+  std::vector<std::string> two_sided;          // names of materials
+  std::map<std::string, glm::dvec3> emissive;  // radiance by material name, for lamps whose files know none
+  std::optional<PointLight> light;             // position relative to the placed model's foot
 };
 
 struct Placement {

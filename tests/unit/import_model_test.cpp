@@ -100,7 +100,7 @@ TEST_F(ImportModel, ReadsAnObjWithItsMaterials) {
   EXPECT_EQ(model.high, glm::dvec3(100, 200, 0));
   const Material& leaf = model.materials[model.parts[0].material];
   EXPECT_EQ(leaf.name, "leaf");
-  EXPECT_EQ(leaf.base_colour[1], 0.6f);
+  EXPECT_EQ(leaf.base_colour[1], 1.0f) << "the texture stands in for Kd";
   EXPECT_EQ(leaf.roughness, 1.0f);
   EXPECT_EQ(leaf.alpha_mode, AlphaMode::test);
   EXPECT_TRUE(leaf.two_sided);
@@ -113,6 +113,7 @@ TEST_F(ImportModel, ReadsAnObjWithItsMaterials) {
   EXPECT_EQ(paint.alpha_mode, AlphaMode::opaque);
   EXPECT_FALSE(paint.two_sided);
   EXPECT_EQ(paint.emissive[1], 2.0f);
+  EXPECT_NEAR(paint.base_colour[1], 0.033105, 1e-5) << "Kd is sRGB";
   EXPECT_NEAR(paint.roughness, std::pow(2.0 / 512, 0.25), 1e-6);
 }
 
