@@ -13,8 +13,8 @@
 namespace subpixel::replay {
 namespace {
 
-std::string name_of(const Summary& summary) {
-  const std::string parameters = parameters_text(summary.parameters);
+std::string name_of(const Summary& summary, const ParameterValues& common) {
+  const std::string parameters = parameters_text(own_parameters(summary.parameters, common));
   return fmt::format("{} {}x{}{}", summary.technique, summary.samples, parameters.empty() ? "" : " ", parameters);
 }
 
@@ -67,17 +67,20 @@ std::string cost_words(const Summary& summary) {
   return fmt::format("{:.1f} B/px, {:.1f} ms", summary.fitted_bytes_per_pixel, summary.total_ms);
 }
 
-std::string reason(const Choice& choice, const ErrorBudget& budget, const Summary* msaa) {
+std::string reason(const Choice& choice, const ErrorBudget& budget, const ParameterValues& common,
+                   const Summary* msaa) {
   const Summary& best = *choice.best;
+  const bool is_msaa = msaa != nullptr && best.technique == msaa->technique && best.samples == msaa->samples &&
+                       best.parameters == msaa->parameters;
   std::string words = fmt::format("{}; worst frame: {}", cost_words(best), error_words(best, budget));
-  if (msaa != nullptr && msaa->fitted_bytes > 0 && msaa->total_ms > 0) {
-    words +=
-        fmt::format("; {:.0f}% of the memory and {:.0f}% of the time of {}",
-                    100 * best.fitted_bytes / msaa->fitted_bytes, 100 * best.total_ms / msaa->total_ms, name_of(*msaa));
+  if (msaa != nullptr && !is_msaa && msaa->fitted_bytes > 0 && msaa->total_ms > 0) {
+    words += fmt::format("; {:.0f}% of the memory and {:.0f}% of the time of {}",
+                         100 * best.fitted_bytes / msaa->fitted_bytes, 100 * best.total_ms / msaa->total_ms,
+                         name_of(*msaa, common));
   }
   if (!choice.runner_up) return words + "; nothing else measured is within the budget";
   const Summary& second = *choice.runner_up;
-  words += fmt::format("; then {} with {}", name_of(second), cost_words(second));
+  words += fmt::format("; then {} with {}", name_of(second, common), cost_words(second));
   const double spread = std::max(best.spread_ms, second.spread_ms);
   if (choice.cost != Cost::memory && std::abs(second.total_ms - best.total_ms) < spread) {
     words += fmt::format(" (the times differ by less than their spread of {:.1f} ms)", spread);
@@ -85,17 +88,17 @@ std::string reason(const Choice& choice, const ErrorBudget& budget, const Summar
   return words;
 }
 
-Choice choose(std::vector<Summary> within, Cost cost, const ErrorBudget& budget, const Summary* msaa) {
+Choice choose(std::vector<Summary> within, Cost cost, const Advice& advice, const Summary* msaa) {
   // Equal cost is decided by the other cost, then by the error: less is better.
   const auto key = [&](const Summary& summary) {
-    return std::tuple(cost_of(summary, cost), cost_of(summary, Cost::both), excess(summary, budget));
+    return std::tuple(cost_of(summary, cost), cost_of(summary, Cost::both), excess(summary, advice.budget));
   };
   std::ranges::stable_sort(within, [&](const Summary& a, const Summary& b) { return key(a) < key(b); });
   Choice choice;
   choice.cost = cost;
   choice.best = within.front();
   if (within.size() > 1) choice.runner_up = within[1];
-  choice.reason = reason(choice, budget, msaa);
+  choice.reason = reason(choice, advice.budget, advice.common, msaa);
   return choice;
 }
 
@@ -144,6 +147,7 @@ Advice advise(const Results& results, const ErrorBudget& budget) {
   Advice advice;
   advice.budget = budget;
   advice.measured = static_cast<std::uint32_t>(measured.size());
+  advice.common = common_parameters(measured);
   std::vector<Summary> within;
   std::ranges::copy_if(measured, std::back_inserter(within),
                        [&](const Summary& summary) { return excess(summary, budget) <= 1; });
@@ -155,7 +159,7 @@ Advice advise(const Results& results, const ErrorBudget& budget) {
   }
   const Summary* msaa = baseline(measured, "msaa");
   for (const Cost cost : {Cost::memory, Cost::time, Cost::both}) {
-    advice.choices.push_back(choose(within, cost, budget, msaa));
+    advice.choices.push_back(choose(within, cost, advice, msaa));
   }
   return advice;
 }
@@ -180,12 +184,14 @@ nlohmann::json to_json(const Advice& advice) {
 
 std::string to_text(const Advice& advice) {
   std::string text = fmt::format("{} of {} measured settings are within the budget.\n", advice.within, advice.measured);
+  if (!advice.common.empty()) text += fmt::format("All with {}.\n", parameters_text(advice.common));
   if (advice.closest) {
-    return text + fmt::format("Closest: {} (worst frame: {}).\n", name_of(*advice.closest),
+    return text + fmt::format("Closest: {} (worst frame: {}).\n", name_of(*advice.closest, advice.common),
                               error_words(*advice.closest, advice.budget));
   }
   for (const Choice& choice : advice.choices) {
-    text += fmt::format("by {:<7} {}\n           {}\n", cost_name(choice.cost), name_of(*choice.best), choice.reason);
+    text += fmt::format("by {:<7} {}\n           {}\n", cost_name(choice.cost), name_of(*choice.best, advice.common),
+                        choice.reason);
   }
   return text;
 }

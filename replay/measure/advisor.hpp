@@ -27,6 +27,7 @@ struct Advice {
   ErrorBudget budget;
   std::uint32_t measured = 0;      // techniques with parameters that were measured on every frame
   std::uint32_t within = 0;        // of them, those within the budget
+  ParameterValues common;          // the parameters all of them were measured with
   std::vector<Choice> choices;     // memory, time, both; empty when none is within
   std::optional<Summary> closest;  // when none is within: the one with the smallest excess
 };

@@ -106,6 +106,25 @@ std::string parameters_text(const ParameterValues& parameters, std::string_view 
   return text;
 }
 
+ParameterValues common_parameters(const std::vector<Summary>& summaries) {
+  if (summaries.empty()) return {};
+  ParameterValues common = summaries.front().parameters;
+  common.erase("samples");
+  for (const Summary& summary : summaries) {
+    std::erase_if(common, [&](const auto& parameter) {
+      const auto found = summary.parameters.find(parameter.first);
+      return found == summary.parameters.end() || found->second != parameter.second;
+    });
+  }
+  return common;
+}
+
+ParameterValues own_parameters(const ParameterValues& parameters, const ParameterValues& common) {
+  ParameterValues own = parameters;
+  std::erase_if(own, [&](const auto& parameter) { return common.contains(parameter.first); });
+  return own;
+}
+
 const Summary* baseline(const std::vector<Summary>& summaries, std::string_view technique) {
   const Summary* first = nullptr;
   for (const Summary& summary : summaries) {

@@ -30,6 +30,11 @@ std::vector<Summary> summarise(const Results& results);
 // "surfaces=3 merge_weight=equal": the parameters of one technique, without `samples`, which has its own column.
 std::string parameters_text(const ParameterValues& parameters, std::string_view separator = " ");
 
+// The parameters, `samples` aside, that every summary has with one value: said once, they need not stand in every row.
+ParameterValues common_parameters(const std::vector<Summary>& summaries);
+// `parameters` without those that `common` holds.
+ParameterValues own_parameters(const ParameterValues& parameters, const ParameterValues& common);
+
 // The result that ratios refer to: `technique` with 8 samples, else its first appearance, else null.
 const Summary* baseline(const std::vector<Summary>& summaries, std::string_view technique);
 

@@ -76,7 +76,8 @@ std::string known(const std::string& text) {
   return text.empty() ? "-" : text;
 }
 
-std::string head_block(const Results& results, const Summary* msaa, const Summary* noaa) {
+std::string head_block(const Results& results, const ParameterValues& common, const Summary* msaa,
+                       const Summary* noaa) {
   const ResultsHead& head = results.head;
   const std::string hash = head.capture_hash.substr(0, 16);
   std::set<std::uint32_t> frames;
@@ -91,6 +92,7 @@ std::string head_block(const Results& results, const Summary* msaa, const Summar
                                      : fmt::format("reference  {} samples per pixel\n", head.reference_samples);
   out += fmt::format("times      warm median of {} repeats, mean over the frames; ratios to {} and {}\n", head.repeat,
                      baseline_name(msaa), baseline_name(noaa));
+  if (!common.empty()) out += fmt::format("all with   {}\n", parameters_text(common));
   return out;
 }
 
@@ -179,6 +181,8 @@ std::string to_table(const Results& results) {
   const std::vector<Summary> summaries = summarise(results);
   const Summary* msaa = baseline(summaries, "msaa");
   const Summary* noaa = baseline(summaries, "noaa");
+  const ParameterValues common = common_parameters(summaries);
+  const auto own = [&](const Summary& summary) { return parameters_text(own_parameters(summary.parameters, common)); };
   // Numbers first and the parameters, which have no fixed length, last: a narrow terminal wraps only those.
   std::vector<std::vector<std::string>> rows = {{"technique", "n", "B/px paper", "fitted", "alloc MB", "shadings/px",
                                                  "ms", "+-", "x msaa", "x noaa", "MSE", "PSNR", "FLIP", "parameters"}};
@@ -191,15 +195,15 @@ std::string to_table(const Results& results) {
          fmt::format("{:.1f}", summary.spread_ms), ratio(summary.total_ms, msaa), ratio(summary.total_ms, noaa),
          or_dash(error.mse, fmt::format("{:.2e}", error.mse)),
          or_dash(error.psnr_db, fmt::format("{:.2f}", error.psnr_db)),
-         or_dash(error.flip_mean, fmt::format("{:.4f}", error.flip_mean)), parameters_text(summary.parameters)});
+         or_dash(error.flip_mean, fmt::format("{:.4f}", error.flip_mean)), own(summary)});
   }
   std::vector<std::size_t> widths(rows.front().size(), 0);
   for (const auto& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   }
-  const bool any_parameters = std::ranges::any_of(
-      summaries, [](const Summary& summary) { return !parameters_text(summary.parameters).empty(); });
-  std::string out = head_block(results, msaa, noaa) + "\n";
+  const bool any_parameters =
+      std::ranges::any_of(summaries, [&](const Summary& summary) { return !own(summary).empty(); });
+  std::string out = head_block(results, common, msaa, noaa) + "\n";
   for (const auto& row : rows) {
     std::string line = fmt::format("{:<{}}", row[0], widths[0]);
     for (std::size_t i = 1; i + 1 < row.size(); ++i) line += fmt::format("  {:>{}}", row[i], widths[i]);

@@ -135,16 +135,27 @@ TEST(Results, TableAveragesFramesAndStatesRatios) {
   std::string line;
   std::vector<std::string> rows;
   while (std::getline(lines, line)) rows.push_back(line);
-  ASSERT_EQ(rows.size(), 6U + 1U + 3U) << table;
+  ASSERT_EQ(rows.size(), 7U + 1U + 3U) << table;
   EXPECT_NE(rows[0].find("park, \"small\" (0123456789abcdef)"), std::string::npos);
   EXPECT_NE(rows[4].find("64 samples"), std::string::npos);
   EXPECT_NE(rows[5].find("ratios to msaa 8x and noaa 1x"), std::string::npos);
-  EXPECT_EQ(rows[7].find("msaa"), rows[7].rfind("msaa"));
-  EXPECT_NE(rows[8].find("0.13"), std::string::npos);      // 50.5 / 400.5
-  EXPECT_NE(rows[9].find("7.93"), std::string::npos);      // 400.5 / 50.5
-  EXPECT_NE(rows[9].find("2.00e-03"), std::string::npos);  // mean of 1e-3 and 3e-3
-  EXPECT_NE(rows[9].find("26.99"), std::string::npos);     // its PSNR
+  EXPECT_EQ(rows[6], "all with   weight=equal");
+  EXPECT_EQ(rows[8].find("parameters"), std::string::npos);
+  EXPECT_NE(rows[9].find("0.13"), std::string::npos);       // 50.5 / 400.5
+  EXPECT_NE(rows[10].find("7.93"), std::string::npos);      // 400.5 / 50.5
+  EXPECT_NE(rows[10].find("2.00e-03"), std::string::npos);  // mean of 1e-3 and 3e-3
+  EXPECT_NE(rows[10].find("26.99"), std::string::npos);     // its PSNR
   EXPECT_TRUE(std::ranges::none_of(rows, [](const std::string& row) { return row.ends_with(' '); }));
+}
+
+TEST(Results, TableNamesTheParametersThatDiffer) {
+  Results results = example_results();
+  results.results.push_back(example("msaa", 8, 0, 400));
+  results.results.back().parameters["weight"] = "coverage";
+  const std::string table = to_table(results);
+  EXPECT_EQ(table.find("all with"), std::string::npos);
+  EXPECT_NE(table.find("  weight=equal\n"), std::string::npos);
+  EXPECT_NE(table.find("  weight=coverage\n"), std::string::npos);
 }
 
 TEST(Results, TableOfNothingStillHasItsHead) {
