@@ -36,7 +36,12 @@ const char* extension_of(std::span<const std::byte> file) {
 DecodedImage decode_image(std::span<const std::byte> file, const std::string& where) {
   const auto fail = [&](const std::string& why) { throw InputError("can't decode the texture", why, where); };
   OIIO::Filesystem::IOMemReader memory(file.data(), file.size());
-  const auto input = OIIO::ImageInput::open(extension_of(file), nullptr, &memory);
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);  // colours as the file has them, not multiplied by alpha
+  // Some readers are closed and opened again while their type is found out, and forget the argument.
+  OIIO::Filesystem::IOProxy* proxy = &memory;
+  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  const auto input = OIIO::ImageInput::open(extension_of(file), &config, &memory);
   if (!input) {
     OIIO::geterror();  // clears it; its text speaks of the made-up name
     fail("no known image format, or damaged");
