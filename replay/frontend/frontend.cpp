@@ -35,7 +35,8 @@ std::uint64_t Frontend::allocated_bytes() const {
   std::uint64_t total = 0;
   for (const gpu::Buffer* buffer :
        {&chunks_, &clip_matrices_, &counts_, &clip_list_, &clip_count_, &sums_, &piece_bases_, &records_, &hull_indices_,
-        &material_ranges_, &visibility_ranges_, &material_commands_, &visibility_commands_})
+        &material_ranges_, &visibility_ranges_, &material_commands_, &visibility_commands_, &visible_, &visible_sums_, &visible_indices_,
+        &visible_commands_})
     total += buffer->bytes();
   return total;
 }
@@ -125,6 +126,11 @@ void Frontend::prepare(std::uint32_t samples) {
   pieces_ = totals.y;
   records_ = gpu::Buffer(device_, "triangle records", (slots + pieces_) * sizeof(gpu_types::TriangleRecord));
   hull_indices_ = gpu::Buffer(device_, "hull indices", hulls_ * 3 * sizeof(std::uint32_t));
+  visible_indices_ = gpu::Buffer(device_, "visible hull indices", hulls_ * 3 * sizeof(std::uint32_t));
+  visible_ = gpu::Buffer(device_, "visible triangles", (slots + pieces_) * sizeof(std::uint32_t));
+  visible_sums_ = gpu::Buffer(device_, "visible sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec2));
+  visible_commands_ =
+      gpu::Buffer(device_, "visible draws", material_batches_.size() * sizeof(VkDrawIndexedIndirectCommand));
 }
 
 void Frontend::record_culling(gpu::PassRecorder& recorder) {
@@ -151,7 +157,7 @@ void Frontend::record_culling(gpu::PassRecorder& recorder) {
 
   gpu::ComputePass sum;
   sum.name = "setup";
-  sum.shader = "frontend/chunk_sum.comp";
+  sum.shader = "frontend/chunk_sum.comp:ALL";
   sum.bindings = {gpu::reads(0, counts_), gpu::writes(1, sums_)};
   sum.push = gpu::PushConstants(chunk_count_);
   sum.groups = {groups_of(chunk_count_, 64), 1, 1};
@@ -164,11 +170,12 @@ void Frontend::record_culling(gpu::PassRecorder& recorder) {
 }
 
 void Frontend::record_setup(gpu::PassRecorder& recorder) {
+  visible_known_ = false;
   record_culling(recorder);
 
   gpu::ComputePass emit;
   emit.name = "setup";
-  emit.shader = "frontend/emit.comp";
+  emit.shader = "frontend/emit.comp:ALL";
   emit.bindings = {gpu::reads(0, counts_), gpu::reads(1, sums_), gpu::writes(2, hull_indices_), gpu::writes(3, piece_bases_)};
   struct {
     std::uint32_t chunk_count, triangle_slots, hull_capacity;
@@ -193,17 +200,61 @@ void Frontend::record_setup(gpu::PassRecorder& recorder) {
     recorder.compute(clip);
   }
 
-  const auto arguments = [&](std::size_t batches, gpu::Buffer& ranges, gpu::Buffer& commands) {
-    gpu::ComputePass pass;
-    pass.name = "setup";
-    pass.shader = "frontend/draw_arguments.comp";
-    pass.bindings = {gpu::reads(0, ranges), gpu::reads(1, sums_), gpu::writes(2, commands)};
-    pass.push = gpu::PushConstants(static_cast<std::uint32_t>(batches));
-    pass.groups = {groups_of(batches, 64), 1, 1};
-    recorder.compute(pass);
-  };
-  arguments(material_batches_.size(), material_ranges_, material_commands_);
-  arguments(visibility_batches_.size(), visibility_ranges_, visibility_commands_);
+  record_arguments(recorder, "setup", material_batches_.size(), material_ranges_, sums_, material_commands_);
+  record_arguments(recorder, "setup", visibility_batches_.size(), visibility_ranges_, sums_, visibility_commands_);
+}
+
+void Frontend::record_visible(gpu::PassRecorder& recorder, gpu::Image& visibility) {
+  visible_known_ = true;
+  const auto& size = visibility.description();
+  recorder.fill("compaction", visible_, 0);
+  gpu::RasterPass mark;
+  mark.name = "compaction";
+  mark.pipeline.vertex = "shade/fullscreen.vert";
+  mark.pipeline.fragment = "frontend/mark_visible.frag";
+  mark.pipeline.constants = constants();
+  mark.pipeline.targets.colours = {VK_FORMAT_R8_UNORM};
+  // Nothing is drawn to it; a pass needs a target.
+  gpu::Image& target = recorder.image({"marking", VK_FORMAT_R8_UNORM, size.width, size.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, false});
+  mark.pipeline.targets.clear = true;
+  mark.colours = {{target}};
+  mark.clear_colours = {{}};
+  mark.bindings = {gpu::samples(0, visibility), gpu::writes(0, visible_)};
+  recorder.raster(std::move(mark));
+
+  struct {
+    std::uint32_t chunk_count, triangle_slots, hull_capacity;
+  } const push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hulls_)};
+  gpu::ComputePass pass;
+  pass.name = "compaction";
+  pass.push = gpu::PushConstants(push);
+  pass.shader = "frontend/chunk_sum.comp:VISIBLE";
+  pass.bindings = {gpu::reads(0, counts_), gpu::writes(1, visible_sums_), gpu::reads(3, piece_bases_),
+                   gpu::reads(4, visible_)};
+  pass.groups = {groups_of(chunk_count_, 64), 1, 1};
+  recorder.compute(pass);
+  pass.shader = "frontend/scan.comp";
+  pass.bindings = {gpu::writes(0, visible_sums_)};
+  pass.groups = {1, 1, 1};
+  recorder.compute(pass);
+  pass.shader = "frontend/emit.comp:VISIBLE";
+  pass.bindings = {gpu::reads(0, counts_), gpu::reads(1, visible_sums_), gpu::writes(2, visible_indices_),
+                   gpu::reads(3, piece_bases_), gpu::reads(4, visible_)};
+  pass.groups = {groups_of(chunk_count_, 64), 1, 1};
+  recorder.compute(pass);
+  record_arguments(recorder, "compaction", material_batches_.size(), material_ranges_, visible_sums_, visible_commands_);
+}
+
+void Frontend::record_arguments(gpu::PassRecorder& recorder, const std::string& name, std::size_t batches,
+                                gpu::Buffer& ranges, gpu::Buffer& sums, gpu::Buffer& commands) {
+  gpu::ComputePass pass;
+  pass.name = name;
+  pass.shader = "frontend/draw_arguments.comp";
+  pass.bindings = {gpu::reads(0, ranges), gpu::reads(1, sums), gpu::writes(2, commands)};
+  pass.push = gpu::PushConstants(static_cast<std::uint32_t>(batches));
+  pass.groups = {groups_of(batches, 64), 1, 1};
+  recorder.compute(pass);
 }
 
 void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry) {
@@ -228,14 +279,16 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   pass.pipeline = opaque;
   pass.bindings.push_back(gpu::uniform(scene_.frame_constants));
   pass.bindings.push_back(gpu::reads(10, scene_.materials));
-  gpu::Buffer& commands = geometry.by_material ? material_commands_ : visibility_commands_;
-  pass.indices_and_indirect = {&hull_indices_, &commands};
+  const bool visible_only = geometry.by_material && visible_known_;
+  gpu::Buffer& commands = !geometry.by_material ? visibility_commands_ : visible_only ? visible_commands_ : material_commands_;
+  gpu::Buffer& indices = visible_only ? visible_indices_ : hull_indices_;
+  pass.indices_and_indirect = {&indices, &commands};
   pass.by_address = {&records_, &scene_.positions, &scene_.normals, &scene_.uvs, &scene_.tangents, &scene_.indices,
                      &clip_matrices_, &scene_.instances};
 
   const auto& batches = geometry.by_material ? material_batches_ : visibility_batches_;
-  pass.draws = [this, push, opaque, alpha, &batches, &commands, by_material = geometry.by_material](gpu::DrawEncoder& encoder) {
-    encoder.index_buffer(hull_indices_);
+  pass.draws = [this, push, opaque, alpha, &batches, &commands, &indices, by_material = geometry.by_material](gpu::DrawEncoder& encoder) {
+    encoder.index_buffer(indices);
     HullPush batch_push = push;
     for (std::size_t i = 0; i < batches.size(); ++i) {
       const Batch& batch = batches[i];

@@ -38,6 +38,10 @@ class Frontend {
   };
   void record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry);
 
+  // Finds which triangles own a sample of `visibility` (visibility.hpp), passes "compaction". From then on passes by material
+  // of the frame draw those alone.
+  void record_visible(gpu::PassRecorder& recorder, gpu::Image& visibility);
+
   // Specialization constants every front-end shader takes: samples and features.
   gpu::Constants constants() const;
 
@@ -60,6 +64,8 @@ class Frontend {
   void build_chunks();
   void build_clip_matrices();
   void record_culling(gpu::PassRecorder& recorder);
+  void record_arguments(gpu::PassRecorder& recorder, const std::string& name, std::size_t batches, gpu::Buffer& ranges,
+                        gpu::Buffer& sums, gpu::Buffer& commands);
 
   gpu::Device& device_;
   GpuScene& scene_;
@@ -68,6 +74,8 @@ class Frontend {
   std::uint64_t hulls_ = 0, clipped_ = 0, pieces_ = 0;
   std::vector<Batch> material_batches_, visibility_batches_;
   gpu::Buffer chunks_, clip_matrices_, counts_, clip_list_, clip_count_, sums_, piece_bases_, records_, hull_indices_;
+  bool visible_known_ = false;
+  gpu::Buffer visible_, visible_sums_, visible_indices_, visible_commands_;
   gpu::Buffer material_ranges_, visibility_ranges_, material_commands_, visibility_commands_;
 };
 

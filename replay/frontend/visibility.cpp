@@ -42,6 +42,7 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& set
     pass.pipeline.targets.colours.assign(pass.colours.size(), VK_FORMAT_R32G32B32A32_UINT);
     setup.frontend.record_geometry(recorder, std::move(geometry));
   }
+  setup.frontend.record_visible(recorder, image);
   return image;
 }
 

@@ -58,7 +58,7 @@ void main() {
     if (!in_front || !set_up_triangle(corners[0], corners[k - 1u], corners[k], cull_back, mirrored, record)) continue;
 #ifdef EMIT
     record.hull2_id.zw = uvec2(first_index, chunk.range.z);
-    record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0u) | chunk.range.w << 2;
+    record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0u) | chunk.range.w << RECORD_MATERIAL_SHIFT;
     uint piece = piece_bases[slot] + pieces;
     if (piece < push.piece_capacity) push.records.record[push.triangle_slots + piece] = record;
 #endif

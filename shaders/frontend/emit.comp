@@ -1,16 +1,23 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: ALL= VISIBLE=-DVISIBLE
 // Writes the index buffer of the hulls in submission order and where each clipped triangle's pieces go; one invocation
 // for each chunk.
-// Reads: counts, scanned sums. Writes: hull indices (3 * record + corner), piece bases.
+// VISIBLE leaves out the triangles that own no sample.
+// Reads: counts, scanned sums; VISIBLE, the flags. Writes: hull indices (3 * record + corner); ALL, piece bases.
 layout(local_size_x = 64) in;
 #include "frontend/frontend_types.h"
 
 layout(set = 0, binding = 1, scalar) readonly buffer Counts { uint counts[]; };
 layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec2 sums[]; };
 layout(set = 0, binding = 3, scalar) writeonly buffer HullIndices { uint hull_indices[]; };
+#ifdef VISIBLE
+layout(set = 0, binding = 4, scalar) readonly buffer PieceBases { uint piece_bases[]; };
+layout(set = 0, binding = 5, scalar) readonly buffer Visible { uint visible[]; };
+#else
 layout(set = 0, binding = 4, scalar) writeonly buffer PieceBases { uint piece_bases[]; };
+#endif
 layout(push_constant, scalar) uniform Push {
   uint chunk_count;
   uint triangle_slots;
@@ -26,9 +33,16 @@ void main() {
     uint count = counts[slot];
     bool clipped = count > 0x7fffffffu;
     uint pieces = count & 0x7fffffffu;
+#ifdef VISIBLE
+    if (clipped) out_piece = piece_bases[slot];
+#else
     if (clipped) piece_bases[slot] = out_piece;
+#endif
     for (uint piece = 0u; piece < pieces; ++piece) {
       uint record = clipped ? push.triangle_slots + out_piece + piece : slot;
+#ifdef VISIBLE
+      if (visible[record] == 0u) continue;
+#endif
       if (out_hull < push.hull_capacity) {
         hull_indices[3u * out_hull] = 3u * record;
         hull_indices[3u * out_hull + 1u] = 3u * record + 1u;

@@ -36,7 +36,8 @@ layout(location = 14) in flat vec4 in_tangent2;
 uint fragment_triangle() { return in_ids.y; }
 
 PixelEdges fragment_edges(ivec2 pixel) {
-  return pixel_edges(ivec2(in_v01.xy), ivec2(in_v01.zw), ivec2(in_v2_ref.xy), pixel);
+  return pixel_edges(ivec2(in_v01.xy), ivec2(in_v01.zw), ivec2(in_v2_ref.xy), pixel,
+                     in_v2_ref.w);
 }
 
 DepthPlane fragment_depth(ivec2 pixel) {
@@ -49,13 +50,25 @@ vec2 shading_offset(PixelEdges edges, uint n) {
   if (n == 1u) return vec2(0.0);
   vec2 sum = vec2(0.0);
   float count = 0.0;
+  bool centre = small_covers(edges, ivec2(0));
   for (uint i = 0u; i < n; ++i) {
     ivec2 offset = sample_offset(n, i);
-    float weight = covers(edges, offset) ? 1.0 : 0.0;
+    float weight = small_covers(edges, offset) ? 1.0 : 0.0;
     sum += weight * vec2(offset);
     count += weight;
   }
-  return covers(edges, ivec2(0)) ? vec2(0.0) : sum / (max(count, 1.0) * float(SUBPIXEL_SAMPLE_GRID));
+  for (bool go = edges.large; go; go = false) {
+    sum = vec2(0.0);
+    count = 0.0;
+    centre = large_covers(edges, ivec2(0));
+    for (uint i = 0u; i < n; ++i) {
+      ivec2 offset = sample_offset(n, i);
+      float weight = large_covers(edges, offset) ? 1.0 : 0.0;
+      sum += weight * vec2(offset);
+      count += weight;
+    }
+  }
+  return centre ? vec2(0.0) : sum / (max(count, 1.0) * float(SUBPIXEL_SAMPLE_GRID));
 }
 
 #ifdef WITH_UV

@@ -34,12 +34,18 @@ struct TriangleRecord {
   uvec4 hull01;    // float bits: corners 0 and 1 of the conservative hull, pixels
   uvec4 hull2_id;  // float bits: corner 2; then first index of the source triangle, instance
   uvec4 v01;       // int bits: snapped vertices 0 and 1, 1/256 pixel
-  uvec4 v2_ref;    // int bits: snapped vertex 2; then reference pixel x | y << 16; then RECORD_ bits | material << 2
+  uvec4 v2_ref;    // int bits: snapped vertex 2; then reference pixel x | y << 16; then RECORD_ bits | material
   uvec4 depth;     // float bits: z at the reference pixel's centre, dz/dx, dz/dy per pixel, smallest z of the triangle
   uvec4 depth2;    // float bits: largest z of the triangle
 };
 #define RECORD_BACK_FACE 1u
 #define RECORD_MIRRORED 2u
+// The size of the bounding box, which decides how edges are computed (coverage.glsl).
+#define RECORD_LARGE 4u  // over SUBPIXEL_SMALL_PX pixels wide or high
+#define RECORD_HUGE 8u   // over SUBPIXEL_LARGE_PX
+#define RECORD_MATERIAL_SHIFT 4
+#define SUBPIXEL_SMALL_PX 60
+#define SUBPIXEL_LARGE_PX 4000
 
 #ifdef __cplusplus
 static_assert(sizeof(ChunkRecord) == 32);

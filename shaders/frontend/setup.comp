@@ -48,7 +48,7 @@ void main() {
     bool mirrored = instance_mirrored(chunk.range.z);
     count = set_up_triangle(c[0], c[1], c[2], cull_back, mirrored, record) ? 1u : 0u;
     record.hull2_id.zw = uvec2(first_index, chunk.range.z);
-    record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0u) | chunk.range.w << 2;
+    record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0u) | chunk.range.w << RECORD_MATERIAL_SHIFT;
     if (count != 0u) push.records.record[slot] = record;
   }
   if (visible && !whole) {

@@ -77,15 +77,18 @@ bool set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, o
   ivec2 first = max((low - 1) >> 8, ivec2(0)), last = min((high + 1) >> 8, ivec2(frame.viewport.xy) - 1);
   alive = alive && all(lessThanEqual(first, last));
 
+  int size = max(high.x - low.x, high.y - low.y);
+  bool huge = size > SUBPIXEL_LARGE_PX * SUBPIXEL_SNAP, large = size > SUBPIXEL_SMALL_PX * SUBPIXEL_SNAP && !huge;
+
   // Small triangles: does any sample lie inside? A loop, so that large ones don't pay.
   ivec2 extent = last - first + 1;
   int pixels = extent.x * extent.y;
-  int tested = (alive && pixels <= 6) ? pixels : 0;
+  int tested = (alive && !large && !huge && pixels <= 6) ? pixels : 0;
   bool touched = tested == 0;
   ivec2 pixel = first;
   for (int k = 0; k < tested; ++k) {
-    PixelEdges edges = pixel_edges(v0, v1, v2, pixel);
-    for (uint i = 0u; i < SAMPLES && !touched; ++i) touched = covers(edges, sample_offset(SAMPLES, i));
+    PixelEdges edges = pixel_edges(v0, v1, v2, pixel, 0u);
+    for (uint i = 0u; i < SAMPLES && !touched; ++i) touched = small_covers(edges, sample_offset(SAMPLES, i));
     if (touched) break;
     ++pixel.x;
     if (pixel.x > last.x) pixel = ivec2(first.x, pixel.y + 1);
@@ -107,7 +110,7 @@ bool set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, o
   record.hull01 = floatBitsToUint(vec4(hull[0], hull[1]));
   record.hull2_id = uvec4(floatBitsToUint(hull[2]), 0u, 0u);
   record.v01 = uvec4(ivec4(v0, v1));
-  record.v2_ref = uvec4(uvec2(v2), uint(reference.x) | uint(reference.y) << 16, (back ? RECORD_BACK_FACE : 0u));
+  record.v2_ref = uvec4(uvec2(v2), uint(reference.x) | uint(reference.y) << 16, (back ? RECORD_BACK_FACE : 0u) | (large ? RECORD_LARGE : 0u) | (huge ? RECORD_HUGE : 0u));
   // Slopes beyond float's range belong to triangles seen edge-on, whose depths the clamp decides.
   record.depth = floatBitsToUint(vec4(clamp(vec3(z, dx * 256.0LF, dy * 256.0LF), -1e30, 1e30), min(min(n0.z, n1.z), n2.z)));
   record.depth2 = uvec4(floatBitsToUint(max(max(n0.z, n1.z), n2.z)), 0u, 0u, 0u);

@@ -61,44 +61,48 @@ uvec4 nearer_ids(uvec4 stored, uvec4 old_depth, uvec4 new_depth) {
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  ivec2 pixel = pixel_of(gl_FragCoord.xy);
   PixelEdges edges = fragment_edges(pixel);
   uint mask = coverage_mask(edges, SAMPLES, SAMPLE_GROUP * GROUP, GROUP);
-  if (mask == 0u) discard;
 #ifdef WITH_UV
-  mask = alpha_mask(mask, SAMPLE_GROUP * GROUP, GROUP, pixel, shading_offset(edges, SAMPLES));
-  if (mask == 0u) discard;
+  for (bool go = mask != 0u; go; go = false)
+    mask = alpha_mask(mask, SAMPLE_GROUP * GROUP, GROUP, pixel, shading_offset(edges, SAMPLES));
 #endif
-  DepthPlane plane = fragment_depth(pixel);
+  bool changed = false;
+  // Skipped, as a loop is, when no lane covers anything.
+  for (bool go = mask != 0u; go; go = false) {
+    DepthPlane plane = fragment_depth(pixel);
 #if GROUP == 1
-  uvec2 state = subpassLoad(in_state).xy;
-  uint z = floatBitsToUint(sample_depth(plane, sample_offset(SAMPLES, SAMPLE_GROUP)));
-  if (z <= state.x) discard;
-  out_state = uvec4(z, fragment_triangle(), 0u, 0u);
+    uint z = floatBitsToUint(sample_depth(plane, sample_offset(SAMPLES, SAMPLE_GROUP)));
+    changed = z > subpassLoad(in_state).x;
+    out_state = uvec4(z, fragment_triangle(), 0u, 0u);
 #else
-  uvec4 old0 = subpassLoad(in_depth0).xyzw, new0 = nearer_depths(old0, mask, 0u, plane);
-  bool changed = old0 != new0;
+    uvec4 old0 = subpassLoad(in_depth0), new0 = nearer_depths(old0, mask, 0u, plane);
+    changed = old0 != new0;
+    out_depth0 = new0;
 #if GROUP >= 8
-  uvec4 old1 = subpassLoad(in_depth1).xyzw, new1 = nearer_depths(old1, mask, 4u, plane);
-  changed = changed || old1 != new1;
+    uvec4 old1 = subpassLoad(in_depth1), new1 = nearer_depths(old1, mask, 4u, plane);
+    changed = changed || old1 != new1;
+    out_depth1 = new1;
 #endif
 #if GROUP == 16
-  uvec4 old2 = subpassLoad(in_depth2).xyzw, new2 = nearer_depths(old2, mask, 8u, plane);
-  uvec4 old3 = subpassLoad(in_depth3).xyzw, new3 = nearer_depths(old3, mask, 12u, plane);
-  changed = changed || old2 != new2 || old3 != new3;
+    uvec4 old2 = subpassLoad(in_depth2), new2 = nearer_depths(old2, mask, 8u, plane);
+    uvec4 old3 = subpassLoad(in_depth3), new3 = nearer_depths(old3, mask, 12u, plane);
+    changed = changed || old2 != new2 || old3 != new3;
+    out_depth2 = new2;
+    out_depth3 = new3;
 #endif
+    for (bool write = changed; write; write = false) {
+      out_id0 = nearer_ids(subpassLoad(in_id0), old0, new0);
+#if GROUP >= 8
+      out_id1 = nearer_ids(subpassLoad(in_id1), old1, new1);
+#endif
+#if GROUP == 16
+      out_id2 = nearer_ids(subpassLoad(in_id2), old2, new2);
+      out_id3 = nearer_ids(subpassLoad(in_id3), old3, new3);
+#endif
+    }
+#endif
+  }
   if (!changed) discard;
-  out_depth0 = new0;
-  out_id0 = nearer_ids(subpassLoad(in_id0).xyzw, old0, new0);
-#if GROUP >= 8
-  out_depth1 = new1;
-  out_id1 = nearer_ids(subpassLoad(in_id1).xyzw, old1, new1);
-#endif
-#if GROUP == 16
-  out_depth2 = new2;
-  out_depth3 = new3;
-  out_id2 = nearer_ids(subpassLoad(in_id2).xyzw, old2, new2);
-  out_id3 = nearer_ids(subpassLoad(in_id3).xyzw, old3, new3);
-#endif
-#endif
 }
