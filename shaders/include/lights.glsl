@@ -83,8 +83,8 @@ vec3 shade(Surface s, vec3 view_direction) {
       vec3 light = to_light * inverse;
       float x = distance_squared * intensity.w;  // (distance / range)^2
       float window = max(1.0 - x * x, 0.0);
-      float innermost = position_range.w * position_range.w * (kInnermostFraction * kInnermostFraction);
-      float attenuation = window * window * min(inverse * inverse, 1.0 / max(innermost, 1e-20));
+      float ceiling = intensity.w * (1.0 / (kInnermostFraction * kInnermostFraction));
+      float attenuation = window * window * min(inverse * inverse, ceiling);
       radiance += intensity.rgb * (attenuation * reflected(b, light, clamp(dot(s.normal, light), 0.0, 1.0)));
     }
   }
