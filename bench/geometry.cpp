@@ -77,7 +77,9 @@ void record_driver_depth(gpu::PassRecorder& recorder, GpuScene& scene, gpu::Buff
 }
 
 int run(int argc, char** argv) {
-  const capture::Capture capture = argc > 1 && std::string(argv[1]) != "-" ? capture::read_capture(argv[1]) : capture::generate("grass", {1, 1280, 720, 1, 1.0});
+  const capture::Capture capture = argc > 1 && std::string(argv[1]) != "-"
+                                       ? capture::read_capture(argv[1])
+                                       : capture::generate("grass", {1, 1280, 720, 1, 1.0});
   gpu::Device device;
   GpuScene scene(device, capture, {});
   scene.set_frame(0, 1280, 720);
@@ -104,4 +106,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace subpixel::replay
 
-int main(int argc, char** argv) { return subpixel::replay::run(argc, argv); }
+int main(int argc, char** argv) {
+  return subpixel::replay::run(argc, argv);
+}

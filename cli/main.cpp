@@ -1,8 +1,8 @@
 // `subpixel <verb>`: parses the command line, calls the library, turns its errors into exit codes.
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
-#include <fmt/format.h>
 #include <functional>
 #include <new>
 

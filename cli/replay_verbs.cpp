@@ -51,8 +51,8 @@ class ProgressLine {
     if (terminal_) {
       constexpr std::uint32_t kWidth = 30;
       const std::uint32_t filled = total == 0 ? kWidth : done * kWidth / total;
-      fmt::print(stderr, "\r\033[K[{}{}] {}/{} {}", std::string(filled, '#'), std::string(kWidth - filled, '.'), done, total,
-                 label);
+      fmt::print(stderr, "\r\033[K[{}{}] {}/{} {}", std::string(filled, '#'), std::string(kWidth - filled, '.'), done,
+                 total, label);
       std::fflush(stderr);
     } else if (label != last_) {
       fmt::print(stderr, "{}: {} ({}/{})\n", stage, detail, done, total);
@@ -91,12 +91,12 @@ int replay(const ReplayFlags& flags) {
   {
     ProgressLine line;
     ReplayEvents events;
-    events.progress = [&](const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) {
-      line.update(stage, done, total, detail);
-    };
+    events.progress = [&](const std::string& stage, std::uint32_t done, std::uint32_t total,
+                          const std::string& detail) { line.update(stage, done, total, detail); };
     results = run_replay(job, events);
   }
-  const std::filesystem::path json = flags.json_file.empty() ? job.out_dir / "results.json" : std::filesystem::path(flags.json_file);
+  const std::filesystem::path json =
+      flags.json_file.empty() ? job.out_dir / "results.json" : std::filesystem::path(flags.json_file);
   if (json == "-") {
     std::cout << to_json(results).dump(2) << "\n";
     return 0;
@@ -163,9 +163,10 @@ int list_techniques(bool json) {
     fmt::print("{}: {}\n", technique->name, technique->title);
     if (!technique->paper.empty()) fmt::print("  {}\n", technique->paper);
     for (const Parameter& p : technique->parameters) {
-      const std::string value = p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump();
-      fmt::print("  {:16} {}{}{}; default {}\n  {:16} {}\n", p.name, parameter_range(p), p.unit.empty() ? "" : " ", p.unit, value,
-                 "", p.doc);
+      const std::string value =
+          p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump();
+      fmt::print("  {:16} {}{}{}; default {}\n  {:16} {}\n", p.name, parameter_range(p), p.unit.empty() ? "" : " ",
+                 p.unit, value, "", p.doc);
     }
   }
   return 0;
@@ -183,15 +184,18 @@ void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
   const auto flags = std::make_shared<ReplayFlags>();
   run->add_option("file", flags->file, "The capture (.spcap)")->required();
   run->add_option("--techniques", flags->techniques, "a,b:param=v,...; see `subpixel techniques`")->required();
-  run->add_option("--samples", flags->samples, "Samples per pixel of techniques that don't name theirs")->capture_default_str();
+  run->add_option("--samples", flags->samples, "Samples per pixel of techniques that don't name theirs")
+      ->capture_default_str();
   run->add_option("--frames", flags->frames, "FIRST-LAST, from 0; all when absent");
   run->add_option("--size", flags->size, "WIDTHxHEIGHT; as recorded when absent");
   run->add_option("--repeat", flags->repeat, "Timed runs of every frame; medians are reported")->capture_default_str();
   run->add_option("--reference-samples", flags->reference_samples, "Visibility samples of the reference; 0: none")
       ->capture_default_str();
-  run->add_option("--lights", flags->point_lights, "Point lights: this many; as recorded when absent")->check(CLI::Range(0, 256));
+  run->add_option("--lights", flags->point_lights, "Point lights: this many; as recorded when absent")
+      ->check(CLI::Range(0, 256));
   run->add_option("--out", flags->out, "Folder for images, maps and results.json")->capture_default_str();
-  run->add_option("--json", flags->json_file, "Results file (default OUT/results.json); - prints it instead of the table");
+  run->add_option("--json", flags->json_file,
+                  "Results file (default OUT/results.json); - prints it instead of the table");
   run->add_option("--cache", flags->cache, "Folder of cached references (default OUT/cache)");
   run->callback([&action, flags] { action = [flags] { return replay(*flags); }; });
 

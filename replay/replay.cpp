@@ -95,13 +95,17 @@ struct Reference {
 };
 
 ReferenceKind reference_kind(const PlannedTechnique& planned) {
-  return {planned.parameters.at("shading") == "blinn_phong" ? 1u : 0u, planned.parameters.at("resolve") == "tone_mapped"};
+  return {planned.parameters.at("shading") == "blinn_phong" ? 1u : 0u,
+          planned.parameters.at("resolve") == "tone_mapped"};
 }
 
 class Replay {
  public:
   Replay(const ReplayJob& job, const ReplayEvents& events)
-      : job_(job), options_(job.options), events_(events), planned_(plan(job.options)),
+      : job_(job),
+        options_(job.options),
+        events_(events),
+        planned_(plan(job.options)),
         capture_(capture::read_capture(job.capture)) {}
 
   Results run();
@@ -135,6 +139,7 @@ class Replay {
   std::map<ReferenceKind, Reference> references_, references_before_;  // of this frame and the one before
   std::vector<Image> before_;                                          // each technique's image of the frame before
   std::optional<std::uint32_t> frame_before_;
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> prepared_;  // frame and samples the front-end is sized for
 };
 
 void Replay::make_head() {
@@ -143,8 +148,8 @@ void Replay::make_head() {
   height_ = options_.height == 0 ? first.height : options_.height;
   const auto limit = device_.info().max_image_dimension;
   if (width_ == 0 || height_ == 0 || width_ > limit || height_ > limit)
-    throw DeviceError("size", fmt::format("{}x{} is not within 1x1 and the device's {}x{}", width_, height_, limit, limit),
-                      "--size");
+    throw DeviceError(
+        "size", fmt::format("{}x{} is not within 1x1 and the device's {}x{}", width_, height_, limit, limit), "--size");
   head_.capture_hash = capture::content_hash_hex(job_.capture);
   head_.capture_title = capture_.metadata.title;
   const auto& info = device_.info();
@@ -220,8 +225,8 @@ const Reference* Replay::reference_for(std::uint32_t frame, const PlannedTechniq
   const auto report = [&](std::uint32_t done, std::uint32_t total) {
     progress("reference", done, total, fmt::format("frame {}", frame));
   };
-  CachedReference cached = cached_reference(device_, *scene_, head_.capture_hash, frame, wanted,
-                                            ReferenceCache(job_.cache_dir), report);
+  CachedReference cached =
+      cached_reference(device_, *scene_, head_.capture_hash, frame, wanted, ReferenceCache(job_.cache_dir), report);
   if (!cached.store_error.empty()) progress("reference", 1, 1, "not cached: " + cached.store_error);
   Reference reference{std::move(cached.image), fmt::format("frame{:04}_reference{}.png", frame, references_.size())};
   write_png(reference.file, reference.image.display);
@@ -230,7 +235,9 @@ const Reference* Replay::reference_for(std::uint32_t frame, const PlannedTechniq
 
 FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   const PlannedTechnique& planned = planned_[which];
-  frontend_->prepare(planned.samples);
+  // Buffers and counts stay as they are between techniques of one frame and sample count.
+  if (prepared_ != std::pair{frame, planned.samples}) frontend_->prepare(planned.samples);
+  prepared_ = {frame, planned.samples};
   FrameOutputs outputs;
   FrameSetup setup{*scene_, *frontend_, width_, height_, planned.samples, planned.parameters, outputs};
   gpu::PassRecorder recorder(device_);
@@ -333,6 +340,8 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which) 
 
 }  // namespace
 
-Results run_replay(const ReplayJob& job, const ReplayEvents& events) { return Replay(job, events).run(); }
+Results run_replay(const ReplayJob& job, const ReplayEvents& events) {
+  return Replay(job, events).run();
+}
 
 }  // namespace subpixel::replay

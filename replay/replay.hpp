@@ -16,9 +16,9 @@ struct ReplayEvents {
   std::function<void(const FrameResult&)> result;  // its images are files in the job's out_dir, complete
 };
 
-// Replays every frame asked for through every technique. Each result's images: "image" and "reference" (PNG), "hdr" (EXR),
-// "error" and "shading" (PNG maps) and the technique's own maps by name.
-// Throws UsageError (technique, parameter, frame, size), InputError (capture, full disk) and DeviceError.
+// Replays every frame asked for through every technique. Each result's images: "image" and "reference" (PNG), "hdr"
+// (EXR), "error" and "shading" (PNG maps) and the technique's own maps by name. Throws UsageError (technique,
+// parameter, frame, size), InputError (capture, full disk) and DeviceError.
 Results run_replay(const ReplayJob& job, const ReplayEvents& events);
 
 }  // namespace subpixel::replay

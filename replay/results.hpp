@@ -34,7 +34,7 @@ struct Memory {
 };
 
 struct Shading {
-  std::uint64_t executions = 0;          // lighting executions in the frame
+  std::uint64_t executions = 0;  // lighting executions in the frame
   double per_pixel_mean = 0;
   std::vector<std::uint64_t> histogram;  // [k]: pixels with k executions
 };

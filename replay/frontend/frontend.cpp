@@ -29,14 +29,16 @@ std::uint32_t groups_of(std::uint64_t items, std::uint32_t size) {
 
 Frontend::Frontend(gpu::Device& device, GpuScene& scene) : device_(device), scene_(scene) {}
 
-gpu::Constants Frontend::constants() const { return {{0, samples_}, {1, scene_.features().bits}}; }
+gpu::Constants Frontend::constants() const {
+  return {{0, samples_}, {1, scene_.features().bits}};
+}
 
 std::uint64_t Frontend::allocated_bytes() const {
   std::uint64_t total = 0;
   for (const gpu::Buffer* buffer :
-       {&chunks_, &clip_matrices_, &counts_, &clip_list_, &clip_count_, &sums_, &piece_bases_, &records_, &hull_indices_,
-        &material_ranges_, &visibility_ranges_, &material_commands_, &visibility_commands_, &visible_, &visible_sums_, &visible_indices_,
-        &visible_commands_})
+       {&chunks_, &clip_matrices_, &counts_, &clip_list_, &clip_count_, &sums_, &piece_bases_, &records_,
+        &hull_indices_, &material_ranges_, &visibility_ranges_, &material_commands_, &visibility_commands_, &visible_,
+        &visible_sums_, &visible_indices_, &visible_commands_})
     total += buffer->bytes();
   return total;
 }
@@ -70,8 +72,10 @@ void Frontend::build_chunks() {
   }
   constexpr std::size_t kMostChunks = 0x7fffffffu / 3 / kChunk;  // corner numbers of all records stay within 32 bits
   if (chunks.size() > kMostChunks)
-    throw DeviceError("front-end", fmt::format("{} groups of {} triangles are over the limit of {}", chunks.size(), kChunk,
-                                               kMostChunks), "frame's draws");
+    throw DeviceError(
+        "front-end",
+        fmt::format("{} groups of {} triangles are over the limit of {}", chunks.size(), kChunk, kMostChunks),
+        "frame's draws");
   chunk_count_ = static_cast<std::uint32_t>(chunks.size());
   chunks_ = gpu::Buffer(device_, "chunks", chunks.size() * sizeof(gpu_types::ChunkRecord));
   std::copy(chunks.begin(), chunks.end(), chunks_.as<gpu_types::ChunkRecord>().begin());
@@ -81,7 +85,8 @@ void Frontend::build_chunks() {
     ranges = gpu::Buffer(device_, std::string(name) + " batches", batches.size() * sizeof(glm::uvec2));
     for (std::size_t i = 0; i < batches.size(); ++i)
       ranges.as<glm::uvec2>()[i] = {batches[i].first_chunk, batches[i].last_chunk};
-    commands = gpu::Buffer(device_, std::string(name) + " draws", batches.size() * sizeof(VkDrawIndexedIndirectCommand));
+    commands =
+        gpu::Buffer(device_, std::string(name) + " draws", batches.size() * sizeof(VkDrawIndexedIndirectCommand));
   };
   upload_ranges(material_batches_, material_ranges_, material_commands_, "material");
   upload_ranges(visibility_batches_, visibility_ranges_, visibility_commands_, "visibility");
@@ -134,9 +139,10 @@ void Frontend::prepare(std::uint32_t samples) {
 }
 
 void Frontend::record_culling(gpu::PassRecorder& recorder) {
-  const FrontendPush push{scene_.positions.address(), scene_.indices.address(), clip_matrices_.address(),
-                          scene_.instances.address(), records_.address(), chunk_count_, chunk_count_ * kChunk,
-                          static_cast<std::uint32_t>(pieces_)};
+  const FrontendPush push{scene_.positions.address(), scene_.indices.address(),
+                          clip_matrices_.address(),   scene_.instances.address(),
+                          records_.address(),         chunk_count_,
+                          chunk_count_ * kChunk,      static_cast<std::uint32_t>(pieces_)};
   recorder.fill("setup", clip_count_, 0);
   gpu::ComputePass pass;
   pass.name = "setup";
@@ -150,8 +156,12 @@ void Frontend::record_culling(gpu::PassRecorder& recorder) {
   recorder.compute(pass);
 
   pass.shader = "frontend/clip.comp:COUNT";
-  pass.bindings = {gpu::uniform(scene_.frame_constants), gpu::reads(0, chunks_), gpu::writes(1, counts_),
-                   gpu::reads(2, clip_list_), gpu::reads(3, piece_bases_), gpu::reads(4, clip_count_)};
+  pass.bindings = {gpu::uniform(scene_.frame_constants),
+                   gpu::reads(0, chunks_),
+                   gpu::writes(1, counts_),
+                   gpu::reads(2, clip_list_),
+                   gpu::reads(3, piece_bases_),
+                   gpu::reads(4, clip_count_)};
   pass.groups = {groups_of(clipped_, 64), 1, 1};
   recorder.compute(pass);
 
@@ -176,7 +186,8 @@ void Frontend::record_setup(gpu::PassRecorder& recorder) {
   gpu::ComputePass emit;
   emit.name = "setup";
   emit.shader = "frontend/emit.comp:ALL";
-  emit.bindings = {gpu::reads(0, counts_), gpu::reads(1, sums_), gpu::writes(2, hull_indices_), gpu::writes(3, piece_bases_)};
+  emit.bindings = {gpu::reads(0, counts_), gpu::reads(1, sums_), gpu::writes(2, hull_indices_),
+                   gpu::writes(3, piece_bases_)};
   struct {
     std::uint32_t chunk_count, triangle_slots, hull_capacity;
   } const emit_push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hulls_)};
@@ -185,15 +196,20 @@ void Frontend::record_setup(gpu::PassRecorder& recorder) {
   recorder.compute(emit);
 
   if (clipped_ > 0) {
-    const FrontendPush push{scene_.positions.address(), scene_.indices.address(), clip_matrices_.address(),
-                            scene_.instances.address(), records_.address(), chunk_count_, chunk_count_ * kChunk,
-                            static_cast<std::uint32_t>(pieces_)};
+    const FrontendPush push{scene_.positions.address(), scene_.indices.address(),
+                            clip_matrices_.address(),   scene_.instances.address(),
+                            records_.address(),         chunk_count_,
+                            chunk_count_ * kChunk,      static_cast<std::uint32_t>(pieces_)};
     gpu::ComputePass clip;
     clip.name = "setup";
     clip.shader = "frontend/clip.comp:EMIT";
     clip.constants = constants();
-    clip.bindings = {gpu::uniform(scene_.frame_constants), gpu::reads(0, chunks_), gpu::writes(1, counts_),
-                     gpu::reads(2, clip_list_), gpu::reads(3, piece_bases_), gpu::reads(4, clip_count_)};
+    clip.bindings = {gpu::uniform(scene_.frame_constants),
+                     gpu::reads(0, chunks_),
+                     gpu::writes(1, counts_),
+                     gpu::reads(2, clip_list_),
+                     gpu::reads(3, piece_bases_),
+                     gpu::reads(4, clip_count_)};
     clip.by_address = {&scene_.positions, &scene_.indices, &clip_matrices_, &scene_.instances, &records_};
     clip.push = gpu::PushConstants(push);
     clip.groups = {groups_of(clipped_, 64), 1, 1};
@@ -215,8 +231,8 @@ void Frontend::record_visible(gpu::PassRecorder& recorder, gpu::Image& visibilit
   mark.pipeline.constants = constants();
   mark.pipeline.targets.colours = {VK_FORMAT_R8_UNORM};
   // Nothing is drawn to it; a pass needs a target.
-  gpu::Image& target = recorder.image({"marking", VK_FORMAT_R8_UNORM, size.width, size.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
-                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, false});
+  gpu::Image& target = recorder.image({"marking", VK_FORMAT_R8_UNORM, size.width, size.height, 1, 1,
+                                       VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, false});
   mark.pipeline.targets.clear = true;
   mark.colours = {{target}};
   mark.clear_colours = {{}};
@@ -243,7 +259,8 @@ void Frontend::record_visible(gpu::PassRecorder& recorder, gpu::Image& visibilit
                    gpu::reads(3, piece_bases_), gpu::reads(4, visible_)};
   pass.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(pass);
-  record_arguments(recorder, "compaction", material_batches_.size(), material_ranges_, visible_sums_, visible_commands_);
+  record_arguments(recorder, "compaction", material_batches_.size(), material_ranges_, visible_sums_,
+                   visible_commands_);
 }
 
 void Frontend::record_arguments(gpu::PassRecorder& recorder, const std::string& name, std::size_t batches,
@@ -280,14 +297,17 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   pass.bindings.push_back(gpu::uniform(scene_.frame_constants));
   pass.bindings.push_back(gpu::reads(10, scene_.materials));
   const bool visible_only = geometry.by_material && visible_known_;
-  gpu::Buffer& commands = !geometry.by_material ? visibility_commands_ : visible_only ? visible_commands_ : material_commands_;
+  gpu::Buffer& commands = !geometry.by_material ? visibility_commands_
+                          : visible_only        ? visible_commands_
+                                                : material_commands_;
   gpu::Buffer& indices = visible_only ? visible_indices_ : hull_indices_;
   pass.indices_and_indirect = {&indices, &commands};
-  pass.by_address = {&records_, &scene_.positions, &scene_.normals, &scene_.uvs, &scene_.tangents, &scene_.indices,
-                     &clip_matrices_, &scene_.instances};
+  pass.by_address = {&records_,        &scene_.positions, &scene_.normals, &scene_.uvs,
+                     &scene_.tangents, &scene_.indices,   &clip_matrices_, &scene_.instances};
 
   const auto& batches = geometry.by_material ? material_batches_ : visibility_batches_;
-  pass.draws = [this, push, opaque, alpha, &batches, &commands, &indices, by_material = geometry.by_material](gpu::DrawEncoder& encoder) {
+  pass.draws = [this, push, opaque, alpha, &batches, &commands, &indices,
+                by_material = geometry.by_material](gpu::DrawEncoder& encoder) {
     encoder.index_buffer(indices);
     HullPush batch_push = push;
     for (std::size_t i = 0; i < batches.size(); ++i) {

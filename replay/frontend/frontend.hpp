@@ -28,9 +28,9 @@ class Frontend {
   // The set-up passes, all named "setup". prepare() must have been called for the frame and sample count.
   void record_setup(gpu::PassRecorder& recorder);
 
-  // A geometry pass over all hulls in submission order. `pass` comes with name, fragment shader (by `fragment_opaque` and
-  // `fragment_alpha`), targets and bindings; geometry, materials and draws are added. With `by_material` the draws carry
-  // attributes (hull.vert:ATTRIBUTES) and `fragment_alpha` is not used.
+  // A geometry pass over all hulls in submission order. `pass` comes with name, fragment shader (by `fragment_opaque`
+  // and `fragment_alpha`), targets and bindings; geometry, materials and draws are added. With `by_material` the draws
+  // carry attributes (hull.vert:ATTRIBUTES) and `fragment_alpha` is not used.
   struct GeometryPass {
     gpu::RasterPass pass;
     std::string fragment_opaque, fragment_alpha;
@@ -38,16 +38,16 @@ class Frontend {
   };
   void record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry);
 
-  // Finds which triangles own a sample of `visibility` (visibility.hpp), passes "compaction". From then on passes by material
-  // of the frame draw those alone.
+  // Finds which triangles own a sample of `visibility` (visibility.hpp), passes "compaction". From then on passes by
+  // material of the frame draw those alone.
   void record_visible(gpu::PassRecorder& recorder, gpu::Image& visibility);
 
   // Specialization constants every front-end shader takes: samples and features.
   gpu::Constants constants() const;
 
   std::uint32_t samples() const { return samples_; }
-  std::uint64_t hull_count() const { return hulls_; }          // screen triangles after culling and clipping
-  std::uint64_t clipped_count() const { return clipped_; }     // source triangles that crossed a clip plane
+  std::uint64_t hull_count() const { return hulls_; }       // screen triangles after culling and clipping
+  std::uint64_t clipped_count() const { return clipped_; }  // source triangles that crossed a clip plane
   std::uint64_t allocated_bytes() const;
   GpuScene& scene() { return scene_; }
   gpu::Buffer& clip_matrices() { return clip_matrices_; }  // object to clip, one for each instance

@@ -6,17 +6,17 @@
 
 namespace subpixel::replay {
 
-std::uint32_t visibility_group(std::uint32_t samples) { return std::min(samples, 16u); }
+std::uint32_t visibility_group(std::uint32_t samples) {
+  return std::min(samples, 16u);
+}
 
 gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   const std::uint32_t group = visibility_group(setup.samples);
   const std::uint32_t quads = group / 4;  // 0 for one sample, whose depth and triangle share a texel
   const std::uint32_t layers = group == 1 ? 1 : setup.samples / 2;
-  gpu::Image& image = recorder.image({"visibility", VK_FORMAT_R32G32B32A32_UINT, setup.width, setup.height, 1, layers,
-                                      VK_SAMPLE_COUNT_1_BIT,
-                                      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT |
-                                          VK_IMAGE_USAGE_SAMPLED_BIT,
-                                      true});
+  gpu::Image& image = recorder.image(
+      {"visibility", VK_FORMAT_R32G32B32A32_UINT, setup.width, setup.height, 1, layers, VK_SAMPLE_COUNT_1_BIT,
+       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
   constexpr std::uint32_t kNone = SUBPIXEL_NO_TRIANGLE;
   for (std::uint32_t g = 0; g < setup.samples / group; ++g) {
     Frontend::GeometryPass geometry;

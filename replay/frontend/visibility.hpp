@@ -5,8 +5,9 @@
 
 namespace subpixel::replay {
 
-// Records the passes, named "visibility", and the front-end's compaction to visible triangles; returns the image (RGBA32UI array, layers as shaders/include/visibility.glsl reads
-// them). `samples` is 1, 4, 8, 16, 32 or 64 and what the front-end was prepared for.
+// Records the passes, named "visibility", and the front-end's compaction to visible triangles; returns the image
+// (RGBA32UI array, layers as shaders/include/visibility.glsl reads them). `samples` is 1, 4, 8, 16, 32 or 64 and what
+// the front-end was prepared for.
 gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& setup);
 
 // Samples in one pass of visibility.frag for an n-sample pattern.

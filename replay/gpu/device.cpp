@@ -26,20 +26,28 @@ std::string cpu_model() {
 
 const char* result_name(VkResult result) {
   switch (result) {
-    case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
-    case VK_ERROR_DEVICE_LOST: return "device lost";
-    case VK_ERROR_INITIALIZATION_FAILED: return "initialization failed";
-    case VK_ERROR_LAYER_NOT_PRESENT: return "layer not present";
-    case VK_ERROR_EXTENSION_NOT_PRESENT: return "extension not present";
-    case VK_ERROR_FEATURE_NOT_PRESENT: return "feature not present";
-    case VK_ERROR_INCOMPATIBLE_DRIVER: return "no compatible driver";
-    default: return nullptr;
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+      return "out of host memory";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      return "out of device memory";
+    case VK_ERROR_DEVICE_LOST:
+      return "device lost";
+    case VK_ERROR_INITIALIZATION_FAILED:
+      return "initialization failed";
+    case VK_ERROR_LAYER_NOT_PRESENT:
+      return "layer not present";
+    case VK_ERROR_EXTENSION_NOT_PRESENT:
+      return "extension not present";
+    case VK_ERROR_FEATURE_NOT_PRESENT:
+      return "feature not present";
+    case VK_ERROR_INCOMPATIBLE_DRIVER:
+      return "no compatible driver";
+    default:
+      return nullptr;
   }
 }
 
-VKAPI_ATTR VkBool32 VKAPI_CALL collect_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                               VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL collect_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                                                const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   auto& errors = *static_cast<std::string*>(user);
   if (errors.size() < 16384) errors += std::string(data->pMessage) + "\n";
@@ -127,7 +135,8 @@ std::string device_name(VkPhysicalDevice physical) {
 void check(VkResult result, std::string_view call) {
   if (result >= VK_SUCCESS) return;
   const char* name = result_name(result);
-  throw DeviceError("device", name ? name : fmt::format("Vulkan error {}", static_cast<int>(result)), std::string(call));
+  throw DeviceError("device", name ? name : fmt::format("Vulkan error {}", static_cast<int>(result)),
+                    std::string(call));
 }
 
 Device::Device(const DeviceOptions& options) {
@@ -230,8 +239,8 @@ void Device::create_device() {
   create.ppEnabledExtensionNames = kRequiredExtensions;
   check(vkCreateDevice(physical_, &create, nullptr, &device_), "vkCreateDevice");
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
-  push_descriptor_set = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
-      vkGetDeviceProcAddr(device_, "vkCmdPushDescriptorSetKHR"));
+  push_descriptor_set =
+      reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(device_, "vkCmdPushDescriptorSetKHR"));
 
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
@@ -285,8 +294,7 @@ double Device::run(const std::function<void(VkCommandBuffer)>& record) {
   submit.pCommandBuffers = &command_buffer_;
   check(vkQueueSubmit(queue_, 1, &submit, fence_), "vkQueueSubmit");
   check(vkWaitForFences(device_, 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
-  const double wall_ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   check(vkResetFences(device_, 1, &fence_), "vkResetFences");
   if (!validation_errors_.empty()) {
     const std::string errors = std::exchange(validation_errors_, {});

@@ -42,9 +42,11 @@ LitmusResult run_order_litmus(Device& device) {
 void require_ordered_access(Device& device) {
   const LitmusResult result = run_order_litmus(device);
   if (result.order_violations == 0 && result.lost_updates == 0) return;
-  throw DeviceError("device", fmt::format("fragments of a pixel are not in primitive order: {} violations and {} lost updates in {}",
-                                          result.order_violations, result.lost_updates, result.fragments),
-                    "ordered-access litmus on " + device.info().device);
+  throw DeviceError(
+      "device",
+      fmt::format("fragments of a pixel are not in primitive order: {} violations and {} lost updates in {}",
+                  result.order_violations, result.lost_updates, result.fragments),
+      "ordered-access litmus on " + device.info().device);
 }
 
 }  // namespace subpixel::gpu

@@ -4,15 +4,21 @@
 
 namespace subpixel::gpu {
 
-Binding uniform(Buffer& buffer) { return {Binding::Kind::uniform, 0, &buffer, nullptr, nullptr}; }
-Binding reads(std::uint32_t slot, Buffer& buffer) { return {Binding::Kind::storage_read, slot, &buffer, nullptr, nullptr}; }
+Binding uniform(Buffer& buffer) {
+  return {Binding::Kind::uniform, 0, &buffer, nullptr, nullptr};
+}
+Binding reads(std::uint32_t slot, Buffer& buffer) {
+  return {Binding::Kind::storage_read, slot, &buffer, nullptr, nullptr};
+}
 Binding writes(std::uint32_t slot, Buffer& buffer) {
   return {Binding::Kind::storage_write, slot, &buffer, nullptr, nullptr};
 }
 Binding samples(std::uint32_t slot, Image& image, const Sampler* sampler) {
   return {Binding::Kind::sampled, slot, nullptr, &image, sampler};
 }
-Binding image_writes(std::uint32_t slot, Image& image) { return {Binding::Kind::image_write, slot, nullptr, &image, nullptr}; }
+Binding image_writes(std::uint32_t slot, Image& image) {
+  return {Binding::Kind::image_write, slot, nullptr, &image, nullptr};
+}
 
 void DrawEncoder::push(const PushConstants& push) {
   vkCmdPushConstants(commands_, device_.pipelines().layout(), VK_SHADER_STAGE_ALL, 0, kPushConstantBytes,
@@ -56,7 +62,9 @@ PassRecorder::PassRecorder(Device& device)
 Buffer& PassRecorder::buffer(std::string name, VkDeviceSize bytes) {
   return buffers_.emplace_back(device_, std::move(name), bytes);
 }
-Image& PassRecorder::image(const ImageDescription& description) { return images_.emplace_back(device_, description); }
+Image& PassRecorder::image(const ImageDescription& description) {
+  return images_.emplace_back(device_, description);
+}
 
 std::uint64_t PassRecorder::allocated_bytes() const {
   std::uint64_t total = 0;
@@ -76,13 +84,21 @@ std::vector<PassRecorder::Use> PassRecorder::uses_of(const std::vector<Binding>&
                                                      VkPipelineStageFlags2 stages) const {
   std::vector<Use> uses;
   for (const auto& binding : bindings) {
-    Use use{binding.buffer, binding.image, {stages, VK_ACCESS_2_SHADER_READ_BIT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL}};
+    Use use{
+        binding.buffer, binding.image, {stages, VK_ACCESS_2_SHADER_READ_BIT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL}};
     switch (binding.kind) {
-      case Binding::Kind::uniform: use.state.access = VK_ACCESS_2_UNIFORM_READ_BIT; break;
+      case Binding::Kind::uniform:
+        use.state.access = VK_ACCESS_2_UNIFORM_READ_BIT;
+        break;
       case Binding::Kind::storage_read:
-      case Binding::Kind::sampled: break;
-      case Binding::Kind::storage_write: use.state.access |= VK_ACCESS_2_SHADER_WRITE_BIT; break;
-      case Binding::Kind::image_read: use.state.layout = VK_IMAGE_LAYOUT_GENERAL; break;
+      case Binding::Kind::sampled:
+        break;
+      case Binding::Kind::storage_write:
+        use.state.access |= VK_ACCESS_2_SHADER_WRITE_BIT;
+        break;
+      case Binding::Kind::image_read:
+        use.state.layout = VK_IMAGE_LAYOUT_GENERAL;
+        break;
       case Binding::Kind::image_write:
         use.state.layout = VK_IMAGE_LAYOUT_GENERAL;
         use.state.access |= VK_ACCESS_2_SHADER_WRITE_BIT;
@@ -185,13 +201,15 @@ void PassRecorder::compute(ComputePass pass) {
   step.timing = timing(pass.name);
   step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
   for (Buffer* buffer : pass.by_address)
-    step.uses.push_back({buffer, nullptr,
+    step.uses.push_back({buffer,
+                         nullptr,
                          {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                           VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
   if (pass.indirect)
-    step.uses.push_back({pass.indirect, nullptr,
-                         {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT,
-                          VK_IMAGE_LAYOUT_UNDEFINED}});
+    step.uses.push_back(
+        {pass.indirect,
+         nullptr,
+         {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
   const VkPipeline pipeline = device_.pipelines().compute(pass.shader, pass.constants);
   step.record = [this, pipeline, pass = std::move(pass)](VkCommandBuffer commands) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
@@ -230,20 +248,24 @@ void PassRecorder::raster(RasterPass pass) {
   step.timing = timing(pass.name);
   step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
   for (Buffer* buffer : pass.by_address)
-    step.uses.push_back({buffer, nullptr,
+    step.uses.push_back({buffer,
+                         nullptr,
                          {VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
                           VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
   for (Buffer* buffer : pass.indices_and_indirect)
-    step.uses.push_back({buffer, nullptr,
-                         {VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
-                          VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
+    step.uses.push_back(
+        {buffer,
+         nullptr,
+         {VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+          VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
   for (std::size_t i = 0; i < pass.colours.size(); ++i) {
     Image* const image = pass.colours[i].image;
     // Layers of one image share its state: one barrier for them all.
     bool seen = false;
     for (std::size_t k = 0; k < i; ++k) seen = seen || pass.colours[k].image == image;
     if (seen) continue;
-    step.uses.push_back({nullptr, image,
+    step.uses.push_back({nullptr,
+                         image,
                          {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
                           VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT |
                               VK_ACCESS_2_INPUT_ATTACHMENT_READ_BIT,
@@ -251,7 +273,8 @@ void PassRecorder::raster(RasterPass pass) {
   }
   if (pass.depth)
     step.uses.push_back(
-        {nullptr, pass.depth,
+        {nullptr,
+         pass.depth,
          {VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
           VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
           VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}});
@@ -261,7 +284,8 @@ void PassRecorder::raster(RasterPass pass) {
   const VkFramebuffer target = framebuffer(pass, render_pass);
   const auto& size = (pass.colours.empty() ? pass.depth : pass.colours.front().image)->description();
   const VkExtent2D extent{size.width, size.height};
-  step.record = [this, pipeline, render_pass, target, extent, ordered, pass = std::move(pass)](VkCommandBuffer commands) {
+  step.record = [this, pipeline, render_pass, target, extent, ordered,
+                 pass = std::move(pass)](VkCommandBuffer commands) {
     std::vector<VkClearValue> clears;
     for (const auto& bits : pass.clear_colours) {
       VkClearValue value{};
@@ -298,7 +322,8 @@ void PassRecorder::raster(RasterPass pass) {
 void PassRecorder::fill(std::string name, Buffer& buffer, std::uint32_t value) {
   Step step;
   step.timing = timing(name);
-  step.uses = {{&buffer, nullptr,
+  step.uses = {{&buffer,
+                nullptr,
                 {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED}}};
   step.record = [&buffer, value](VkCommandBuffer commands) {
     vkCmdFillBuffer(commands, buffer.handle(), 0, VK_WHOLE_SIZE, value);

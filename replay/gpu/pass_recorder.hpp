@@ -114,7 +114,9 @@ class PassRecorder {
 
   // Runs all passes once, in order, waiting after each; adds to the timings.
   void run();
-  void clear_timings() { for (auto& timing : timings_) timing.ms.clear(); }
+  void clear_timings() {
+    for (auto& timing : timings_) timing.ms.clear();
+  }
   const std::vector<PassTiming>& timings() const { return timings_; }
   Device& device() { return device_; }
 

@@ -53,7 +53,8 @@ PipelineCache::PipelineCache(Device& device) : device_(device) {
   layout.flags = 0;
   layout.bindingCount = kMaterialTextures;
   layout.pBindings = textures.data();
-  check(vkCreateDescriptorSetLayout(device.handle(), &layout, nullptr, &material_layout_), "vkCreateDescriptorSetLayout");
+  check(vkCreateDescriptorSetLayout(device.handle(), &layout, nullptr, &material_layout_),
+        "vkCreateDescriptorSetLayout");
 
   const VkDescriptorSetLayout sets[] = {push_layout_, material_layout_};
   const VkPushConstantRange range{VK_SHADER_STAGE_ALL, 0, kPushConstantBytes};

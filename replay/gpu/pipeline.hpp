@@ -17,9 +17,9 @@
 
 namespace subpixel::gpu {
 
-inline constexpr std::uint32_t kUniformBinding = 0, kStorageBinding = 1, kSampledBinding = 12, kStorageImageBinding = 20,
-                               kInputAttachmentBinding = 24, kBindings = 32, kPushConstantBytes = 128,
-                               kMaterialTextures = 4;
+inline constexpr std::uint32_t kUniformBinding = 0, kStorageBinding = 1, kSampledBinding = 12,
+                               kStorageImageBinding = 20, kInputAttachmentBinding = 24, kBindings = 32,
+                               kPushConstantBytes = 128, kMaterialTextures = 4;
 
 // Specialization constants: id -> 32-bit value.
 using Constants = std::vector<std::pair<std::uint32_t, std::uint32_t>>;

@@ -28,8 +28,10 @@ VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, VkMem
 Buffer::Buffer(Device& device, std::string name, VkDeviceSize bytes)
     : device_(&device), name_(std::move(name)), bytes_(bytes == 0 ? 16 : (bytes + 15) / 16 * 16) {
   if (bytes_ > device.info().max_buffer_size)
-    throw DeviceError("device", fmt::format("a buffer of {} bytes is over the device's limit of {}", bytes_,
-                                            device.info().max_buffer_size), name_);
+    throw DeviceError(
+        "device",
+        fmt::format("a buffer of {} bytes is over the device's limit of {}", bytes_, device.info().max_buffer_size),
+        name_);
   VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   create.size = bytes_;
   create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
@@ -60,7 +62,9 @@ Buffer::~Buffer() {
   vkFreeMemory(device_->handle(), memory_, nullptr);
 }
 
-Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+Buffer::Buffer(Buffer&& other) noexcept {
+  *this = std::move(other);
+}
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
   std::swap(state, other.state);
@@ -81,8 +85,10 @@ VkImageAspectFlags Image::aspect() const {
 Image::Image(Device& device, const ImageDescription& description) : device_(&device), description_(description) {
   const auto limit = device.info().max_image_dimension;
   if (description.width > limit || description.height > limit)
-    throw DeviceError("device", fmt::format("{}x{} is over the device's image limit of {}", description.width,
-                                            description.height, limit), description.name);
+    throw DeviceError(
+        "device",
+        fmt::format("{}x{} is over the device's image limit of {}", description.width, description.height, limit),
+        description.name);
   VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   create.imageType = VK_IMAGE_TYPE_2D;
   create.format = description.format;
@@ -125,7 +131,9 @@ Image::~Image() {
   vkFreeMemory(device_->handle(), memory_, nullptr);
 }
 
-Image::Image(Image&& other) noexcept { *this = std::move(other); }
+Image::Image(Image&& other) noexcept {
+  *this = std::move(other);
+}
 
 Image& Image::operator=(Image&& other) noexcept {
   std::swap(state, other.state);
@@ -153,7 +161,9 @@ Sampler::~Sampler() {
   if (device_) vkDestroySampler(device_->handle(), sampler_, nullptr);
 }
 
-Sampler::Sampler(Sampler&& other) noexcept { *this = std::move(other); }
+Sampler::Sampler(Sampler&& other) noexcept {
+  *this = std::move(other);
+}
 
 Sampler& Sampler::operator=(Sampler&& other) noexcept {
   std::swap(device_, other.device_);
@@ -164,18 +174,23 @@ Sampler& Sampler::operator=(Sampler&& other) noexcept {
 std::uint32_t bytes_per_texel(VkFormat format) {
   switch (format) {
     case VK_FORMAT_R8_UNORM:
-    case VK_FORMAT_R8_UINT: return 1;
+    case VK_FORMAT_R8_UINT:
+      return 1;
     case VK_FORMAT_R8G8B8A8_UNORM:
     case VK_FORMAT_R8G8B8A8_SRGB:
     case VK_FORMAT_R32_UINT:
     case VK_FORMAT_R32_SFLOAT:
-    case VK_FORMAT_D32_SFLOAT: return 4;
+    case VK_FORMAT_D32_SFLOAT:
+      return 4;
     case VK_FORMAT_R32G32_UINT:
     case VK_FORMAT_R32G32_SFLOAT:
-    case VK_FORMAT_R16G16B16A16_SFLOAT: return 8;
+    case VK_FORMAT_R16G16B16A16_SFLOAT:
+      return 8;
     case VK_FORMAT_R32G32B32A32_UINT:
-    case VK_FORMAT_R32G32B32A32_SFLOAT: return 16;
-    default: throw std::logic_error(fmt::format("texel size of format {}", static_cast<int>(format)));
+    case VK_FORMAT_R32G32B32A32_SFLOAT:
+      return 16;
+    default:
+      throw std::logic_error(fmt::format("texel size of format {}", static_cast<int>(format)));
   }
 }
 
@@ -205,12 +220,14 @@ void upload(Device& device, Image& image, std::uint32_t mip, std::uint32_t layer
   const std::uint32_t width = std::max(1u, description.width >> mip), height = std::max(1u, description.height >> mip);
   const std::size_t expected = std::size_t{width} * height * bytes_per_texel(description.format);
   if (texels.size() != expected)
-    throw std::logic_error(fmt::format("upload to {}: {} bytes given, {} expected", description.name, texels.size(), expected));
+    throw std::logic_error(
+        fmt::format("upload to {}: {} bytes given, {} expected", description.name, texels.size(), expected));
   Buffer staging(device, description.name + " upload", texels.size());
   std::memcpy(staging.mapped().data(), texels.data(), texels.size());
   device.run([&](VkCommandBuffer commands) {
-    transition(commands, image, {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL});
+    transition(
+        commands, image,
+        {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL});
     VkBufferImageCopy copy{};
     copy.imageSubresource = {image.aspect(), mip, layer, 1};
     copy.imageExtent = {width, height, 1};
@@ -223,8 +240,8 @@ std::vector<std::byte> download(Device& device, Image& image, std::uint32_t laye
   const std::size_t bytes = std::size_t{description.width} * description.height * bytes_per_texel(description.format);
   Buffer staging(device, description.name + " download", bytes);
   device.run([&](VkCommandBuffer commands) {
-    transition(commands, image, {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT,
-                                 VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL});
+    transition(commands, image,
+               {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL});
     VkBufferImageCopy copy{};
     copy.imageSubresource = {image.aspect(), 0, layer, 1};
     copy.imageExtent = {description.width, description.height, 1};

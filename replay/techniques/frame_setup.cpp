@@ -19,7 +19,9 @@ Parameter alpha_parameter() {
   Parameter p;
   p.name = "alpha";
   p.kind = ParameterKind::choice;
-  p.doc = "how alpha-tested materials decide: alpha's plane at each sample, once per fragment, or a texture read per sample";
+  p.doc =
+      "how alpha-tested materials decide: alpha's plane at each sample, once per fragment, or a texture read per "
+      "sample";
   p.choices = {"to_coverage", "test", "per_sample"};
   p.default_value = "to_coverage";
   return p;
@@ -48,7 +50,9 @@ Parameter shading_parameter() {
 gpu::Constants common_constants(const FrameSetup& setup) {
   const std::string alpha = setup.choice("alpha");
   return {{2, setup.choice("shading") == "blinn_phong" ? 1u : 0u},
-          {3, alpha == "test" ? 1u : alpha == "per_sample" ? 2u : 0u},
+          {3, alpha == "test"         ? 1u
+              : alpha == "per_sample" ? 2u
+                                      : 0u},
           {5, setup.choice("resolve") == "tone_mapped" ? 1u : 0u}};
 }
 

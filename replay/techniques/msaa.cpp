@@ -32,16 +32,15 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
 
 extern const Technique kNoaa, kMsaa;
 
-const Technique kNoaa{
-    "noaa", "No anti-aliasing", "", {samples_parameter({1}, 1), alpha_parameter(), resolve_parameter(), shading_parameter()},
-    {},     layout,             record};
-
-const Technique kMsaa{"msaa",
-                      "Deferred MSAA, every sample shaded",
-                      "",
-                      {samples_parameter({4, 8, 16, 32, 64}, 8), alpha_parameter(), resolve_parameter(), shading_parameter()},
-                      {},
-                      layout,
+const Technique kNoaa{"noaa", "No anti-aliasing",
+                      "",     {samples_parameter({1}, 1), alpha_parameter(), resolve_parameter(), shading_parameter()},
+                      {},     layout,
                       record};
+
+const Technique kMsaa{
+    "msaa", "Deferred MSAA, every sample shaded",
+    "",     {samples_parameter({4, 8, 16, 32, 64}, 8), alpha_parameter(), resolve_parameter(), shading_parameter()},
+    {},     layout,
+    record};
 
 }  // namespace subpixel::replay

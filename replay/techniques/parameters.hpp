@@ -15,11 +15,11 @@ enum class ParameterKind { integer, number, choice, boolean };
 struct Parameter {
   std::string_view name;
   ParameterKind kind = ParameterKind::integer;
-  std::string_view doc;   // one line
-  std::string_view unit;  // "", "samples", "radians", ...
-  double minimum = 0, maximum = 0;           // integer and number, inclusive
-  std::vector<double> allowed;               // integer: when only these values are allowed (empty: the whole range)
-  std::vector<std::string_view> choices;     // choice
+  std::string_view doc;                   // one line
+  std::string_view unit;                  // "", "samples", "radians", ...
+  double minimum = 0, maximum = 0;        // integer and number, inclusive
+  std::vector<double> allowed;            // integer: when only these values are allowed (empty: the whole range)
+  std::vector<std::string_view> choices;  // choice
   nlohmann::json default_value;
 };
 
