@@ -46,8 +46,9 @@ double cosine(double radians) {
 
 Matrix4 to_matrix4(const glm::dmat4& matrix) {
   Matrix4 out{};
+  std::size_t at = 0;
   for (int c = 0; c < 4; ++c) {
-    for (int r = 0; r < 4; ++r) out[static_cast<std::size_t>(4 * c + r)] = static_cast<float>(matrix[c][r]);
+    for (int r = 0; r < 4; ++r) out[at++] = static_cast<float>(matrix[c][r]);
   }
   return out;
 }

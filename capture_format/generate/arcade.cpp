@@ -190,8 +190,10 @@ Capture arcade(const GenerateOptions& options, const ArcadeParameters& parameter
     }
   }
   // Two rows of lamps under the arches, and along the hall what is left of the 32.
+  constexpr std::uint32_t kLampRows = kSceneLights / 4;
   for (std::uint32_t i = 0; i < kSceneLights; ++i) {
-    const double z = -length * (i / 4 + 0.5) / (kSceneLights / 4);
+    const std::uint32_t row = i / 4;
+    const double z = -length * (row + 0.5) / kLampRows;
     const std::array<double, 4> across{-outer + 1.4, -1.4, 1.4, outer - 1.4};
     const double x = across[i % 4];
     lamps.push_back(translation({x, kFloor_m - 0.2 + (i % 4 == 1 || i % 4 == 2 ? 0.8 : 0.0), z}));
@@ -225,8 +227,8 @@ Capture arcade(const GenerateOptions& options, const ArcadeParameters& parameter
   scene.draw_instances(scene.add_mesh("lamp glass", glass), "lamp glasses", materials.lamp, lamps);
   // The hall's own lamps hang from wires across it.
   Mesh wires;
-  for (std::uint32_t i = 0; i < kSceneLights / 4; ++i) {
-    const double z = -length * (i + 0.5) / (kSceneLights / 4);
+  for (std::uint32_t row = 0; row < kLampRows; ++row) {
+    const double z = -length * (row + 0.5) / kLampRows;
     add_bar(wires, {-kHalfHall_m, kFloor_m + 0.6, z}, {kHalfHall_m, kFloor_m + 0.6, z}, 0.008, 5);
   }
   scene.draw(scene.add_mesh("wires", wires), "wires", materials.iron);

@@ -1,6 +1,7 @@
 // A street between buildings with much that is thinner than a pixel: window frames, ledges, balcony railings, lamp
 // posts, wires, aerials. The street runs along -z, x = 0 in its middle, buildings stand on both sides.
 #include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <string>
 #include <vector>
@@ -103,7 +104,7 @@ Mesh window_glass() {
 // Upright bars between two rails along a line on the ground.
 void add_railing(Mesh& mesh, const glm::dvec3& from, const glm::dvec3& to, double height, double spacing,
                  double bar_radius) {
-  const auto bars = static_cast<std::uint32_t>(glm::length(to - from) / spacing + 0.5);
+  const auto bars = static_cast<std::uint32_t>(std::floor(glm::length(to - from) / spacing + 0.5));
   const glm::dvec3 up(0, height, 0);
   for (std::uint32_t i = 0; i <= bars; ++i) {
     const glm::dvec3 foot = from + (to - from) * (static_cast<double>(i) / bars);
@@ -217,15 +218,15 @@ void draw_street(SceneBuilder& scene, const Materials& materials, const CityPara
   Mesh dash;
   add_box(dash, {-0.07, 0, -1.5}, {0.07, 0.015, 1.5});
   std::vector<glm::dmat4> dashes;
-  for (double z = 10; z > end; z -= 6) dashes.push_back(translation({0, 0, z}));
+  for (std::uint32_t i = 0; 10 - 6.0 * i > end; ++i) dashes.push_back(translation({0, 0, 10 - 6.0 * i}));
   scene.draw_instances(scene.add_mesh("dash", dash), "lane marks", materials.paint, dashes);
 
   Mesh railing;
   add_railing(railing, {0, 0, 0}, {0, 0, -2}, 1.0, 0.12, parameters.railing_bar_radius_m);
   std::vector<glm::dmat4> railings;
-  int segment = 0;
-  for (double z = 6; z > end + 4; z -= 2.05, ++segment) {
+  for (std::uint32_t segment = 0; 6 - 2.05 * segment > end + 4; ++segment) {
     if (segment % 9 >= 6) continue;  // gaps to cross the street
+    const double z = 6 - 2.05 * segment;
     railings.push_back(translation({-half - 0.25, 0.14, z}));
     railings.push_back(translation({half + 0.25, 0.14, z}));
   }
@@ -240,7 +241,8 @@ void draw_lamps(SceneBuilder& scene, const Materials& materials, const CityParam
   Mesh wires;
   for (std::uint32_t i = 0; i < kLamps; ++i) {
     const bool left = i % 2 == 0;
-    const double z = 4 - 8.0 * (i / 2) - (left ? 0 : 4);
+    const std::uint32_t pair = i / 2;
+    const double z = 4 - 8.0 * pair - (left ? 0 : 4);
     const glm::dvec3 foot(left ? -x : x, 0.14, z);
     posts.push_back(translation(foot) * rotation({0, 1, 0}, left ? kPi / 2 : -kPi / 2));
     const double bulb_x = left ? foot.x + 1.3 : foot.x - 1.3;

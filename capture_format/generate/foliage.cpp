@@ -86,7 +86,8 @@ Capture foliage(const GenerateOptions& options, const FoliageParameters& paramet
 
   std::vector<std::vector<glm::dmat4>> places(kVariants);
   for (std::uint32_t i = 0; i < parameters.trees; ++i) {
-    const double z = 1.0 - 1.5 * (i / 2) - random.between(0, 1.5);
+    const std::uint32_t pair = i / 2;
+    const double z = 1.0 - 1.5 * pair - random.between(0, 1.5);
     const double side = (i % 2 == 0 ? -1 : 1) * random.between(2.4, 4.5 + 0.22 * i);
     const double size = random.between(0.75, 1.1);
     places[i % kVariants].push_back(translation({side, 0, z}) * rotation({0, 1, 0}, random.between(0, 2 * kPi)) *

@@ -47,6 +47,7 @@ void require(bool holds, std::string_view parameter, const std::string& why) {
 
 std::vector<SceneInfo> list_scenes() {
   std::vector<SceneInfo> list;
+  list.reserve(kScenes.size());
   for (const Scene& scene : kScenes) list.push_back(scene.info);
   return list;
 }

@@ -152,7 +152,8 @@ Texture leaf_texture(std::string name, std::uint32_t side, const glm::dvec3& lea
   std::vector<Leaf> leaves;
   for (int i = 0; i < 9; ++i) {  // pairs along the stem, the last at its tip
     const double turn = i == 8 ? 0.0 : (i % 2 == 0 ? -1 : 1) * random.between(0.7, 1.15);
-    const double up = 0.92 - 0.15 * (i / 2);
+    const int pair = i / 2;
+    const double up = 0.92 - 0.15 * pair;
     leaves.push_back({{0.5, up}, {sine(turn), -cosine(turn)}, random.between(0.3, 0.38), random.between(0.8, 1.15)});
   }
   return fill(std::move(name), side, side, true, [&](double u, double v) {

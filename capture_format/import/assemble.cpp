@@ -186,10 +186,12 @@ void draw_grass(SceneBuilder& scene, const GrassCover& cover, std::size_t number
   const BladeShape shape{3, cover.height_m, cover.width_m, cover.patch_m};
   std::vector<std::vector<glm::dmat4>> places(kVariants);
   const auto& [x0, z0, x1, z1] = cover.rectangle;
-  for (double z = z0; z < z1; z += cover.patch_m) {
-    for (double x = x0; x < x1; x += cover.patch_m) {
+  const auto rows = static_cast<std::uint32_t>(std::ceil((z1 - z0) / cover.patch_m));
+  const auto columns = static_cast<std::uint32_t>(std::ceil((x1 - x0) / cover.patch_m));
+  for (std::uint32_t row = 0; row < rows; ++row) {
+    for (std::uint32_t column = 0; column < columns; ++column) {
       const glm::dmat4 turned = rotation({0, 1, 0}, random.between(0, 2 * kPi));
-      const glm::dvec3 at{x + random.unit() * cover.patch_m, 0, z + random.unit() * cover.patch_m};
+      const glm::dvec3 at{x0 + (column + random.unit()) * cover.patch_m, 0, z0 + (row + random.unit()) * cover.patch_m};
       places[random.below(kVariants)].push_back(translation(at) * turned);
     }
   }

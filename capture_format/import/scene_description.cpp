@@ -1,5 +1,7 @@
 #include "capture_format/import/scene_description.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "capture_format/generate/random.hpp"
@@ -111,6 +113,10 @@ GrassCover read_grass(JsonFields& fields) {
   grass.height_m = fields.number_between("height_m", 0.001, 10, grass.height_m);
   grass.width_m = fields.number_between("width_m", 0.0001, 1, grass.width_m);
   grass.seed = fields.whole("seed", 0, 0x7fffffff, 1);
+  const Rectangle& area = grass.rectangle;
+  if ((area[2] - area[0]) / grass.patch_m * ((area[3] - area[1]) / grass.patch_m) > kMaxPlacements) {
+    fields.fail("patch_m", fmt::format("more than {} patches in the rectangle", kMaxPlacements));
+  }
   fields.finish();
   return grass;
 }

@@ -143,6 +143,7 @@ TEST_F(ImportScene, MistakesNameTheirField) {
       {"[-5, -5, 5, 5]", "[-5, -5, -5, 5]", "its second corner"},
       {"[[0, 5], [1, 0], [0, -5]]", "[[0, 5]]", "fewer than 2 points"},
       {"[[0, 5], [1, 0], [0, -5]]", "[[0, 5], [1]]", "field ground[1].path"},
+      {"[-1, -1, 1, 1]", "[-1, -1, 1e6, 1e6]", "field grass[0].patch_m"},
       {"\"height_m\": 3", "\"height_m\": 1e9", "field models.post.height_m"},
       {"\"height_m\": 3", "\"hieght_m\": 3", "field models.post.hieght_m"},
       {"\"two_sided\": true", "\"two_sided\": [\"bark\"]", "no material bark"},
