@@ -51,7 +51,7 @@ gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, g
   pass.pipeline.vertex = "reference/visibility.vert";
   pass.pipeline.fragment = "reference/visibility.frag:SOLID";
   pass.pipeline.constants = {{1, scene.features().bits}};
-  pass.pipeline.targets = {{VK_FORMAT_R32_UINT}, VK_FORMAT_D32_SFLOAT, VK_SAMPLE_COUNT_4_BIT, false, true};
+  pass.pipeline.targets = {{VK_FORMAT_R32_UINT}, VK_FORMAT_D32_SFLOAT, VK_SAMPLE_COUNT_1_BIT, false, true};
   pass.pipeline.depth_compare = VK_COMPARE_OP_GREATER;  // of equal depths the first stays
   pass.pipeline.depth_write = true;
   pass.colours = {seen};
@@ -122,9 +122,8 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
 
   gpu::PassRecorder turns(device), finish(device);
   gpu::ImageDescription target;
-  target.width = width + 1;
-  target.height = height + 1;
-  target.samples = VK_SAMPLE_COUNT_4_BIT;
+  target.width = 2 * width;
+  target.height = 2 * height;
   target.name = "reference triangles seen";
   target.format = VK_FORMAT_R32_UINT;
   target.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;

@@ -25,10 +25,11 @@ struct ReferenceImage {
 // Called after each turn with turns done and turns in all (samples / 4). May throw to stop.
 using ReferenceProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
 
-// Each turn draws the frame with 4 samples a pixel and shades each triangle a pixel's samples see once, so a pixel has
-// at least samples / 4 shading samples. Samples and shading points of all turns are spread evenly over the pixel's
-// square: the result tends to the box-filtered image. Texture gradients are analytic, of one pixel, as in the
-// techniques. Throws UsageError (options out of range), InputError and DeviceError.
+// Each turn draws triangle numbers at twice the width and height, which is four samples a pixel (and on lavapipe faster
+// than the driver's own four), and shades each triangle a pixel's samples see once, so a pixel has at least samples / 4
+// shading samples. Samples and shading points of all turns are spread evenly over the pixel's square: the result tends
+// to the box-filtered image. Texture gradients are analytic, of one pixel, as in the techniques. Throws UsageError
+// (options out of range), InputError and DeviceError.
 ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
                                 const ReferenceProgress& progress = {});
 

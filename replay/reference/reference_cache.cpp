@@ -17,7 +17,7 @@ namespace subpixel::replay {
 namespace {
 
 // Raised when the host's part of the reference (triangle list, turns, textures) changes what comes out.
-constexpr std::uint32_t kHostRevision = 1;
+constexpr std::uint32_t kHostRevision = 2;
 
 constexpr std::array<char, 8> kMagic{'S', 'P', 'X', 'L', 'R', 'E', 'F', '\n'};
 constexpr std::uint32_t kForm = 1;

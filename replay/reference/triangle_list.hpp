@@ -23,7 +23,7 @@ struct TriangleList {
 };
 
 // Leaves out what no sample can see: triangles with a corner that is not finite, beside the view (a pixel's width
-// further, since the image is shifted by up to that), without area, and back faces of one-sided materials. The front
+// further, since the image is shifted), without area, and back faces of one-sided materials. The front
 // is counter-clockwise in world space, under a mirroring transform clockwise in object space (glTF). Transforms are
 // computed in double and rounded once. Throws DeviceError when triangle numbers exceed what one draw call counts.
 TriangleList visible_triangles(const GpuScene& scene);

@@ -1,7 +1,5 @@
 #include "replay/reference/turns.hpp"
 
-#include <cmath>
-
 namespace subpixel::replay {
 namespace {
 
@@ -18,30 +16,15 @@ double radical_inverse(std::uint32_t value) {
 std::vector<gpu_types::TurnConstants> turn_constants(std::uint32_t turns, std::uint32_t width, std::uint32_t height) {
   std::vector<gpu_types::TurnConstants> all;
   for (std::uint32_t i = 0; i < turns; ++i) {
-    const glm::dvec2 shift(0.25 * (i + 0.5) / turns, radical_inverse(i) + 0.5 / turns);
-    gpu_types::TurnConstants turn{};
-    for (std::uint32_t s = 0; s < 4; ++s) {
-      const glm::dvec2 moved = kStandardSamples[s] - shift;
-      const glm::dvec2 offset = moved - glm::floor(moved);
-      auto& offsets = s < 2 ? turn.offset01 : turn.offset23;
-      offsets[static_cast<int>(2 * (s & 1))] = static_cast<float>(offset.x);
-      offsets[static_cast<int>(2 * (s & 1) + 1)] = static_cast<float>(offset.y);
-      if (moved.x < 0) turn.texel.x |= 1u << (2 * s);
-      if (moved.y < 0) turn.texel.x |= 1u << (2 * s + 1);
-    }
-    // Clip positions of the image to those of the target, where every point is `shift` pixels further right and down.
-    const glm::dvec2 size(width, height), target = size + 1.0, scale = size / target;
-    turn.clip = glm::vec4(scale, scale - 1.0 + 2.0 * shift / target);
-    turn.number = {i, turns, 0, 0};
-    all.push_back(turn);
+    const glm::dvec2 shift((i + 0.5) / turns - 0.5, radical_inverse(i) + 0.5 / turns - 0.5);  // quarters of a pixel
+    const glm::dvec2 pixels = shift / 2.0;
+    all.push_back({glm::vec4(pixels, 2.0 * pixels / glm::dvec2(width, height)), {i, turns, 0, 0}});
   }
   return all;
 }
 
-glm::vec2 sample_position(const gpu_types::TurnConstants& turn, std::uint32_t s) {
-  const auto& offsets = s < 2 ? turn.offset01 : turn.offset23;
-  const int at = static_cast<int>(2 * (s & 1));
-  return {offsets[at], offsets[at + 1]};
+glm::vec2 sample_place(const gpu_types::TurnConstants& turn, std::uint32_t s) {
+  return glm::vec2(0.25f) + 0.5f * glm::vec2(s & 1, s >> 1) - glm::vec2(turn.shift);
 }
 
 }  // namespace subpixel::replay

@@ -11,7 +11,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "reference/textures.glsl"
 
 layout(constant_id = 3) const uint TONE_MAP_SAMPLES = 0u;  // 1: also sum the display values of shading samples
-layout(set = 0, binding = 12) uniform usampler2DMS visibility;
+layout(set = 0, binding = 12) uniform usampler2D visibility;
 
 vec3 normal_of(ReferenceTriangle t, vec3 local) {
   InstanceRecord instance = instances.at[t.source.y];
@@ -60,10 +60,7 @@ void main() {
   uvec2 size = uvec2(frame.viewport.xy);
   if (pixel.x >= size.x || pixel.y >= size.y) return;
   uvec4 seen;
-  for (int s = 0; s < 4; ++s) {
-    ivec2 neighbour = ivec2(turn.texel.x >> (2 * s) & 1u, turn.texel.x >> (2 * s + 1) & 1u);
-    seen[s] = texelFetch(visibility, ivec2(pixel) + neighbour, s).r;
-  }
+  for (int s = 0; s < 4; ++s) seen[s] = texelFetch(visibility, 2 * ivec2(pixel) + ivec2(s & 1, s >> 1), 0).r;
   uint remaining = (seen.x != 0u ? 1u : 0u) | (seen.y != 0u ? 2u : 0u) | (seen.z != 0u ? 4u : 0u) |
                    (seen.w != 0u ? 8u : 0u);
   float sky_samples = float(4 - bitCount(remaining));
@@ -73,13 +70,11 @@ void main() {
   for (int i = 0; i < 4 && remaining != 0u; ++i) {
     uint first = (uint(findLSB((remaining | remaining << 4) >> start)) + start) & 3u;
     uint number = first < 2u ? (first == 0u ? seen.x : seen.y) : (first == 2u ? seen.z : seen.w);
-    vec2 offset = first < 2u ? (first == 0u ? turn.offset01.xy : turn.offset01.zw)
-                             : (first == 2u ? turn.offset23.xy : turn.offset23.zw);
     uint same = remaining & ((seen.x == number ? 1u : 0u) | (seen.y == number ? 2u : 0u) |
                              (seen.z == number ? 4u : 0u) | (seen.w == number ? 8u : 0u));
     remaining &= ~same;
     float count = float(bitCount(same));
-    vec3 shaded = shade_at(number - 1u, vec2(pixel) + offset);
+    vec3 shaded = shade_at(number - 1u, vec2(pixel) + sample_place(first));
     radiance += count * shaded;
     if (TONE_MAP_SAMPLES != 0u) display += count * display_from_radiance(shaded);
   }

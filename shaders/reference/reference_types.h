@@ -23,19 +23,16 @@ struct TextureLevel {
 // A texture is its first level's number | levels << 24; none:
 #define REFERENCE_NO_TEXTURE 0xffffffffu
 
-// One turn: a shift of the image under the rasteriser's four samples. The target is a pixel larger each way, and each
-// output pixel takes the samples that the shift brings into it: one of each kind, maybe from neighbouring texels.
+// One turn: the image drawn at twice the width and height, so that four texels' centres are samples of each pixel, and
+// shifted by less than half a texel.
 struct TurnConstants {
-  vec4 clip;      // scale in x, y and offset in x, y of clip positions
-  vec4 offset01;  // where samples 0 and 1 lie in their output pixel, pixels from its corner
-  vec4 offset23;
-  uvec4 texel;   // sample s is in the texel (pixel + (bit 2s, bit 2s+1) of x)
+  vec4 shift;    // x, y in pixels; z, w the same in clip space, for w 1
   uvec4 number;  // x: number of the turn, y: turns in all
 };
 
 #ifdef __cplusplus
 static_assert(sizeof(ReferenceTriangle) == 16);
-static_assert(sizeof(TurnConstants) == 80);
+static_assert(sizeof(TurnConstants) == 32);
 }  // namespace subpixel::gpu_types
 #endif
 #endif

@@ -36,6 +36,9 @@ layout(set = 0, binding = 2, std430) readonly buffer Materials { MaterialRecord 
 layout(set = 0, binding = 3, std430) readonly buffer Levels { TextureLevel levels[]; };
 layout(set = 0, binding = 4, std430) readonly buffer MaterialTextures { uvec4 material_textures[]; };
 
+// Where sample `s` of this turn lies in its pixel: samples 0 1 over 2 3, each somewhere in its quarter.
+vec2 sample_place(uint s) { return 0.25 + 0.5 * vec2(s & 1u, s >> 1) - turn.shift.xy; }
+
 // Perspective-correct weights of a triangle's corners at a point, and the corners relative to it.
 struct Weights {
   vec3 value;       // not negative, sum 1

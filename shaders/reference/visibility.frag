@@ -1,7 +1,7 @@
 // variants: SOLID= TESTED=-DTESTED=1
-// Computes: the triangle seen by each sample. TESTED decides by alpha at the place of each of the four samples.
+// Computes: the triangle seen by each sample. TESTED decides by alpha whether it is there.
 // Reads: the triangle's number; with TESTED its material.
-// Writes: the number plus 1; with TESTED the mask of the samples that are there.
+// Writes: the number plus 1.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "reference/triangles.glsl"
@@ -42,21 +42,15 @@ void main() {
 #ifdef TESTED
   ReferenceTriangle t = triangles.at[triangle - 1u];
   MaterialRecord m = materials[t.source.z];
-  uint base_texture = material_textures[t.source.z].x;
-  uvec3 vertices = vertices_of(t);
-  bool blend = (m.flags.x & MATERIAL_ALPHA_BLEND) != 0u;
-  int mask = 0;
-  vec2 texel = floor(gl_FragCoord.xy);
-  for (uint s = 0u; s < 4u; ++s) {
-    vec2 offset = s < 2u ? (s == 0u ? turn.offset01.xy : turn.offset01.zw)
-                         : (s == 2u ? turn.offset23.xy : turn.offset23.zw);
-    vec2 pixel = texel - vec2(turn.texel.x >> (2u * s) & 1u, turn.texel.x >> (2u * s + 1u) & 1u);
-    float alpha = m.base_colour.a;
-    if (has_feature(FEATURE_BASE_TEXTURE))
-      alpha *= texture_at(base_texture, coordinates_of(vertices, weights_at(triangle - 1u, pixel + offset))).a;
-    float threshold = blend ? blend_threshold(triangle, s) : m.emissive_cutoff.w;
-    mask |= alpha >= threshold ? 1 << s : 0;
+  uvec2 texel = uvec2(gl_FragCoord.xy);
+  uint s = (texel.x & 1u) | (texel.y & 1u) << 1;
+  vec2 point = vec2(texel >> 1) + sample_place(s);
+  float alpha = m.base_colour.a;
+  if (has_feature(FEATURE_BASE_TEXTURE)) {
+    Coordinates c = coordinates_of(vertices_of(t), weights_at(triangle - 1u, point));
+    alpha *= texture_at(material_textures[t.source.z].x, c).a;
   }
-  gl_SampleMask[0] = mask;
+  bool blend = (m.flags.x & MATERIAL_ALPHA_BLEND) != 0u;
+  if (alpha < (blend ? blend_threshold(triangle, s) : m.emissive_cutoff.w)) discard;
 #endif
 }

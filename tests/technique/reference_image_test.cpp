@@ -48,7 +48,7 @@ TEST(ReferenceTurns, SamplesOfAllTurnsFillThePixelEvenly) {
     int cells[8][8] = {};
     for (const auto& turn : constants)
       for (std::uint32_t s = 0; s < 4; ++s) {
-        const glm::vec2 p = sample_position(turn, s);
+        const glm::vec2 p = sample_place(turn, s);
         ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
         ++cells[static_cast<int>(p.y * 8)][static_cast<int>(p.x * 8)];
       }
