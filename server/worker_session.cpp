@@ -110,7 +110,8 @@ void WorkerSession::take_result(const json& document) {
   store_.add_result(run_.id, ordinal, result, images);
   taken_.emplace(result.frame, ordinal);
   for (const auto& [role, file] : result.images) {
-    std::error_code ignored;  // a file that stays is removed with the job's folder
+    if (role == "reference") continue;  // results of one frame share it
+    std::error_code ignored;            // a file that stays is removed with the job's folder
     std::filesystem::remove(out_dir_ / file, ignored);
   }
   if (run_.kind == RunKind::thumbnail && images.contains("image")) {
