@@ -79,7 +79,7 @@ struct GpuScene::Impl {
   gpu::Sampler sampler;
   std::unique_ptr<gpu::MaterialSets> sets;
   std::vector<VkDescriptorSet> set_of_material;
-  gpu::Buffer shadow_commands;
+  std::vector<Bounds> instance_bounds;  // of the current frame, world space
   std::uint64_t triangle_count = 0;
 
   void upload_textures(gpu::Device& device, const capture::Capture& capture);
@@ -163,15 +163,13 @@ GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const S
       capture, plan,
       {positions.as<float>(), normals.as<float>(), uvs.as<float>(), tangents.as<float>(), indices.as<std::uint32_t>()});
 
-  std::size_t most_instances = 0, most_draws = 0;
+  std::size_t most_instances = 0;
   for (const auto& frame : capture.frames) {
     std::size_t frame_instances = 0;
     for (const auto& draw : frame.draws) frame_instances += draw.instance_count;
     most_instances = std::max(most_instances, frame_instances);
-    most_draws = std::max(most_draws, frame.draws.size());
   }
   instances = gpu::Buffer(device, "instances", most_instances * sizeof(gpu_types::InstanceRecord));
-  impl_->shadow_commands = gpu::Buffer(device, "shadow draws", most_draws * sizeof(VkDrawIndexedIndirectCommand));
   frame_constants = gpu::Buffer(device, "frame constants", sizeof(gpu_types::FrameConstants));
   materials = gpu::Buffer(device, "materials", capture.materials.size() * sizeof(gpu_types::MaterialRecord));
   const auto records = materials.as<gpu_types::MaterialRecord>();
@@ -213,6 +211,7 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
                      fmt::format("frame {}", index));
   const auto& frame = capture_.frames[index];
   draws_.clear();
+  impl_->instance_bounds.clear();
   impl_->triangle_count = 0;
   Bounds bounds;
   std::uint32_t instance = 0;
@@ -227,7 +226,8 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
     for (const auto& transform : capture::world_transforms(capture_, draw)) {
       const glm::dmat4 world = matrix(transform);
       records[instance++] = instance_record(world);
-      bounds.add(transformed(impl_->mesh_bounds[mesh_number], world));
+      impl_->instance_bounds.push_back(transformed(impl_->mesh_bounds[mesh_number], world));
+      bounds.add(impl_->instance_bounds.back());
     }
   }
 
@@ -272,7 +272,7 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
     }
   }
   frame_constants.as<gpu_types::FrameConstants>()[0] = value;
-  if (fit) render_shadow_map(device_, *this, impl_->shadow_commands, *fit);
+  if (fit) render_shadow_map(device_, *this, impl_->instance_bounds, *fit);
 }
 
 std::uint64_t GpuScene::triangle_count() const {

@@ -1,6 +1,7 @@
 #include "replay/scene/shadow_pass.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace subpixel::replay {
 namespace {
@@ -11,20 +12,66 @@ struct ShadowPush {
   std::uint32_t material;
 };
 
-}  // namespace
+// Indirect commands [first, first + count) of one cascade.
+struct CasterBatch {
+  bool tested = false;
+  std::uint32_t material = 0;  // of tested ones
+  std::uint32_t first = 0, count = 0;
+};
 
-void write_indirect_commands(const std::vector<DrawItem>& draws, gpu::Buffer& commands) {
-  const auto to = commands.as<VkDrawIndexedIndirectCommand>();
-  for (std::size_t i = 0; i < draws.size(); ++i)
-    to[i] = {draws[i].triangle_count * 3, draws[i].instance_count, draws[i].first_index, 0, draws[i].first_instance};
+struct Casters {
+  std::vector<VkDrawIndexedIndirectCommand> commands;
+  std::array<std::vector<CasterBatch>, SUBPIXEL_SHADOW_CASCADES> batches;
+};
+
+// True when some of `bounds` is over the cascade. Its own box in the sun's view is tested: a little too large, never
+// too small.
+bool casts_into(const Bounds& bounds, const glm::dmat4& world_to_clip) {
+  const Bounds seen = transformed(bounds, world_to_clip);
+  return !seen.empty() && seen.low.x <= 1 && seen.high.x >= -1 && seen.low.y <= 1 && seen.high.y >= -1;
 }
 
-void render_shadow_map(gpu::Device& device, GpuScene& scene, gpu::Buffer& commands, const ShadowFit& fit) {
-  std::vector<DrawItem> draws = scene.draws();
-  const auto cut = std::stable_partition(draws.begin(), draws.end(),
-                                         [&](const DrawItem& draw) { return !scene.alpha_tested(draw.material); });
-  const auto solid = static_cast<std::uint32_t>(cut - draws.begin());
-  write_indirect_commands(draws, commands);
+// One command for each run of neighbouring instances; those without alpha test first, as one batch.
+Casters select_casters(const GpuScene& scene, const std::vector<Bounds>& instance_bounds, const ShadowFit& fit) {
+  Casters casters;
+  for (std::size_t c = 0; c < fit.cascades.size(); ++c) {
+    if (fit.cascades[c].scale == 0) continue;
+    const glm::dmat4 to_clip = fit.world_to_clip(c);
+    auto& batches = casters.batches[c];
+    for (const bool tested : {false, true}) {
+      for (const auto& draw : scene.draws()) {
+        if (scene.alpha_tested(draw.material) != tested) continue;
+        const auto first = static_cast<std::uint32_t>(casters.commands.size());
+        bool in_run = false;
+        for (std::uint32_t i = draw.first_instance; i < draw.first_instance + draw.instance_count; ++i) {
+          const bool casts = casts_into(instance_bounds[i], to_clip);
+          if (casts && !in_run) casters.commands.push_back({3 * draw.triangle_count, 0, draw.first_index, 0, i});
+          if (casts) ++casters.commands.back().instanceCount;
+          in_run = casts;
+        }
+        const auto count = static_cast<std::uint32_t>(casters.commands.size()) - first;
+        if (count == 0) continue;
+        const bool joins = !batches.empty() && batches.back().tested == tested &&
+                           (!tested || batches.back().material == draw.material);
+        if (joins)
+          batches.back().count += count;
+        else
+          batches.push_back({tested, draw.material, first, count});
+      }
+    }
+  }
+  return casters;
+}
+
+}  // namespace
+
+void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<Bounds>& instance_bounds,
+                       const ShadowFit& fit) {
+  const Casters casters = select_casters(scene, instance_bounds, fit);
+  gpu::PassRecorder recorder(device);
+  gpu::Buffer& commands =
+      recorder.buffer("shadow draws", casters.commands.size() * sizeof(VkDrawIndexedIndirectCommand));
+  std::copy(casters.commands.begin(), casters.commands.end(), commands.as<VkDrawIndexedIndirectCommand>().begin());
 
   gpu::RasterPass pass;
   pass.name = "shadow map";
@@ -33,7 +80,7 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, gpu::Buffer& comman
   pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_LESS;
   pass.pipeline.depth_write = true;
-  const gpu::RasterDescription opaque = pass.pipeline;
+  const gpu::RasterDescription solid = pass.pipeline;
   gpu::RasterDescription tested = pass.pipeline;
   tested.vertex = "scene/shadow.vert:TESTED";
   tested.fragment = "scene/shadow.frag";
@@ -49,24 +96,17 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, gpu::Buffer& comman
   pass.draws = [&](gpu::DrawEncoder& encoder) {
     encoder.index_buffer(scene.indices);
     for (std::uint32_t c = 0; c < SUBPIXEL_SHADOW_CASCADES; ++c) {
-      if (fit.cascades[c].scale == 0) continue;
       encoder.viewport(static_cast<float>(c & 1) * side, static_cast<float>(c >> 1) * side, side, side);
       push.world_to_clip = glm::mat4(fit.world_to_clip(c));
-      encoder.push(gpu::PushConstants(push));
-      encoder.pipeline(opaque);
-      if (solid > 0) encoder.draw_indexed_indirect(commands, 0, solid);
-      if (solid < draws.size()) encoder.pipeline(tested);
-      for (std::size_t i = solid; i < draws.size(); ++i) {
-        if (i == solid || draws[i].material != draws[i - 1].material) {
-          push.material = draws[i].material;
-          encoder.push(gpu::PushConstants(push));
-          encoder.material(scene.material_set(draws[i].material));
-        }
-        encoder.draw_indexed_indirect(commands, i * sizeof(VkDrawIndexedIndirectCommand), 1);
+      for (const auto& batch : casters.batches[c]) {
+        encoder.pipeline(batch.tested ? tested : solid);
+        if (batch.tested) encoder.material(scene.material_set(batch.material));
+        push.material = batch.material;
+        encoder.push(gpu::PushConstants(push));
+        encoder.draw_indexed_indirect(commands, batch.first * sizeof(VkDrawIndexedIndirectCommand), batch.count);
       }
     }
   };
-  gpu::PassRecorder recorder(device);
   recorder.raster(std::move(pass));
   recorder.run();
 }

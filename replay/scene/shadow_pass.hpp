@@ -1,5 +1,7 @@
-// Draws the sun's depth map by the device's own rasteriser.
+// Draws the sun's depth maps by the device's own rasteriser.
 #pragma once
+
+#include <vector>
 
 #include "replay/scene/gpu_scene.hpp"
 #include "replay/scene/shadow_fit.hpp"
@@ -7,10 +9,9 @@
 namespace subpixel::replay {
 
 // Fills scene.shadow_map with the current frame's draws, both sides of every surface; alpha-tested ones are cut.
-// `commands` holds one indirect command for each draw of the frame, in any order.
-void render_shadow_map(gpu::Device& device, GpuScene& scene, gpu::Buffer& commands, const ShadowFit& fit);
-
-// The indirect commands of `draws`, in their order.
-void write_indirect_commands(const std::vector<DrawItem>& draws, gpu::Buffer& commands);
+// `instance_bounds`: world bounds of each instance, by its number in scene.instances; each cascade draws those it can
+// hold a shadow of.
+void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<Bounds>& instance_bounds,
+                       const ShadowFit& fit);
 
 }  // namespace subpixel::replay
