@@ -163,7 +163,9 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
     for (std::size_t i = 0; i < error.size(); ++i) {
       error[i] = static_cast<std::uint8_t>(std::min(255, 4 * std::abs(int{image[i]} - int{reference[i]})));
     }
-    write("reference", reference);
+    // One file for all results of the frame, written with the first, as the real worker does.
+    result.images["reference"] = "f" + std::to_string(frame) + "-reference.png";
+    if (index == 0) tests::write_png(job.out_dir / result.images["reference"], width, height, reference);
     write("error", error);
   }
   write("shading", std::vector<std::uint8_t>(image.rbegin(), image.rend()));
@@ -174,7 +176,7 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
 
 int info(const std::string& path) {
   const json fake = read_fake_capture(path);
-  if (fake.value("how", "") == "info_segv") ::raise(SIGSEGV);
+  if (fake.value("how", "") == "info_kill") ::raise(SIGKILL);
   std::cout << json{{"title", fake.value("title", "A fake capture")},
                     {"frame_count", fake.value("frames", 2)},
                     {"width", fake.value("width", 64)},
