@@ -1,0 +1,124 @@
+// What the front-end promises to the passes after it: an ordered pixel, and a second geometry pass that finds every
+// sample the first one left.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "replay/gpu/litmus.hpp"
+#include "replay/techniques/deferred.hpp"
+#include "tests/technique/frontend_fixture.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+TEST(Device, KeepsFragmentsOfAPixelInOrder) {
+  gpu::Device device;
+  std::uint64_t fragments = 0;
+  for (int round = 0; round < 3; ++round) {
+    const gpu::LitmusResult result = gpu::run_order_litmus(device);
+    EXPECT_EQ(result.order_violations, 0u);
+    EXPECT_EQ(result.lost_updates, 0u);
+    fragments += result.fragments;
+  }
+  EXPECT_GE(fragments, 10'000'000u);
+}
+
+constexpr std::uint32_t kSide = 128, kDraws = 12;
+
+// Tilted triangles that pierce each other, in draws of a colour each.
+capture::Capture coloured_triangles(Numbers& numbers, std::uint32_t triangles_per_draw) {
+  std::vector<ScreenTriangle> triangles;
+  for (std::uint32_t i = 0; i < kDraws * triangles_per_draw; ++i) {
+    ScreenTriangle t;
+    const std::int64_t size = std::int64_t{64} << numbers.whole(0, 9);
+    const std::int64_t x = numbers.whole(0, 256 * kSide), y = numbers.whole(0, 256 * kSide);
+    for (int k = 0; k < 3; ++k) {
+      t.corner[k].x = x + numbers.whole(-size, size);
+      t.corner[k].y = y + numbers.whole(-size, size);
+      t.z[k] = static_cast<float>(numbers.real(0.1, 0.9));
+    }
+    triangles.push_back(t);
+  }
+  capture::Capture capture = screen_capture(triangles, kSide, kSide);
+  const capture::Draw all = capture.frames[0].draws[0];
+  const capture::Material plain = capture.materials[0];
+  capture.frames[0].draws.clear();
+  capture.materials.clear();
+  for (std::uint32_t d = 0; d < kDraws; ++d) {
+    capture::Draw draw = all;
+    draw.material = d;
+    draw.index_count = draw.vertex_count = 3 * triangles_per_draw;
+    draw.position.offset = std::uint64_t{36} * triangles_per_draw * d;
+    capture::Material material = plain;
+    material.base_colour = {static_cast<float>(d + 1) / kDraws, 0.5f, 0.25f, 1};
+    capture.frames[0].draws.push_back(draw);
+    capture.materials.push_back(material);
+  }
+  return capture;
+}
+
+class SecondPass : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(SecondPass, WritesTheSurfaceOfEveryVisibleSample) {
+  const std::uint32_t n = GetParam();
+  gpu::Device device;
+  Numbers numbers(5 + n);
+  FrontendRun run(device, coloured_triangles(numbers, 200), kSide, kSide, n);
+  const FrameSetup setup = run.setup();
+  gpu::Image& gbuffer = gbuffer_image(run.recorder, setup);
+  const std::uint32_t group = gbuffer_group(n);
+  std::vector<std::vector<std::uint32_t>> layers;  // of all groups
+  for (std::uint32_t g = 0; g < n / group; ++g) {
+    record_gbuffer(run.recorder, setup, *run.visibility, gbuffer, g);
+    run.recorder.host([&] {
+      for (std::uint32_t layer = 0; layer < group; ++layer) {
+        const auto bytes = gpu::download(device, gbuffer, layer);
+        auto& words = layers.emplace_back(bytes.size() / 4);
+        std::memcpy(words.data(), bytes.data(), bytes.size());
+      }
+    });
+  }
+  run.run();
+
+  // Records of draw d start at its first chunk.
+  const auto material_of = [&](std::uint32_t record) {
+    const auto records = run.frontend.records().as<gpu_types::TriangleRecord>();
+    const std::uint32_t index = records[record].hull2_id.z;
+    std::uint32_t material = 0;
+    for (const DrawItem& draw : run.scene.draws())
+      if (index >= draw.first_index && index < draw.first_index + 3 * draw.triangle_count) material = draw.material;
+    return material;
+  };
+  std::uint64_t covered = 0, missing = 0, uncalled = 0;
+  std::map<std::uint32_t, std::map<std::uint32_t, std::uint64_t>> albedo_of_material;
+  for (std::int64_t py = 0; py < kSide; ++py)
+    for (std::int64_t px = 0; px < kSide; ++px)
+      for (std::uint32_t s = 0; s < n; ++s) {
+        const VisibleSample& seen = run.seen()[run.place(px, py, s)];
+        const std::uint32_t albedo =
+            layers[s][4 * (static_cast<std::size_t>(py) * kSide + static_cast<std::size_t>(px))];
+        if (seen.triangle == SUBPIXEL_NO_TRIANGLE) {
+          uncalled += albedo == 0 ? 0 : 1;
+          continue;
+        }
+        ++covered;
+        missing += albedo == 0 ? 1 : 0;
+        ++albedo_of_material[material_of(seen.triangle)][albedo];
+      }
+  EXPECT_GT(covered, std::uint64_t{kSide} * kSide * n / 2);
+  EXPECT_EQ(missing, 0u) << "samples without a surface";
+  EXPECT_EQ(uncalled, 0u) << "surfaces without a sample";
+  EXPECT_EQ(albedo_of_material.size(), kDraws);
+  std::map<std::uint32_t, std::uint32_t> material_of_albedo;
+  for (const auto& [material, albedos] : albedo_of_material) {
+    EXPECT_EQ(albedos.size(), 1u) << "material " << material << " has surfaces of others";
+    EXPECT_TRUE(material_of_albedo.emplace(albedos.begin()->first, material).second);
+  }
+  fmt::print("{:2} samples: {} visible, {} without a surface\n", n, covered, missing);
+}
+
+INSTANTIATE_TEST_SUITE_P(Samples, SecondPass, testing::Values(1u, 4u, 8u, 16u, 64u));
+
+}  // namespace
+}  // namespace subpixel::replay
