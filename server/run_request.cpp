@@ -87,9 +87,10 @@ replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t ind
       given[item.key()] = item.value();
     }
   }
-  // The run's sample count is for the techniques that have one and were not given their own.
-  const bool has_samples = std::ranges::any_of(technique.parameters, [](const auto& p) { return p.name == "samples"; });
-  if (has_samples) given.try_emplace("samples", samples);
+  // The run's sample count is for the techniques that let one choose and were not given their own.
+  for (const replay::Parameter& parameter : technique.parameters) {
+    if (parameter.name == "samples" && parameter.allowed.size() != 1) given.try_emplace("samples", samples);
+  }
   request.parameters = replay::check_parameters(technique.name, technique.parameters, given);
   return request;
 }

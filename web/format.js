@@ -54,11 +54,12 @@ export function duration(seconds) {
   return `${Math.floor(seconds / 3600)} h ${Math.round((seconds % 3600) / 60)} min`;
 }
 
-/** "msaa samples=8": the parameters that differ from the registry's defaults, or all of them without a registry entry. */
+/** "msaa samples=8": the parameters that differ from the registry's defaults, or all of them without a
+ * registry entry; the samples always, unless there is no choice of them. */
 export function techniqueLabel(technique, parameters, registryEntry) {
   const shown = Object.entries(parameters ?? {}).filter(([name, value]) => {
-    if (name === 'samples') return true;
     const declared = registryEntry?.parameters.find((parameter) => parameter.name === name);
+    if (name === 'samples') return declared?.allowed?.length !== 1;
     return !declared || declared.default !== value;
   });
   return [technique, ...shown.map(([name, value]) => `${name}=${shortValue(value)}`)].join(' ');

@@ -44,7 +44,9 @@ function parameterHint(parameter) {
 
 // One technique with its parameters. A technique can be there several times with different parameters.
 function variant(technique, runSamples, onRemove) {
-  const controls = technique.parameters.map((parameter) => ({parameter, ...parameterControl(parameter, runSamples)}));
+  // A parameter with one value is no choice.
+  const chosen = technique.parameters.filter((parameter) => parameter.allowed?.length !== 1);
+  const controls = chosen.map((parameter) => ({parameter, ...parameterControl(parameter, runSamples)}));
   const element = h('div', {class: controls.length > 0 ? 'variant' : 'quiet'},
     controls.map(({parameter, element: control}) => field(parameter.name, control, parameterHint(parameter))),
     controls.length === 0 && 'no parameters',
@@ -95,7 +97,8 @@ function techniqueEntry(technique, runSamples) {
 
 function sampleCounts(registry) {
   const allowed = registry.flatMap((technique) => technique.parameters)
-    .filter((parameter) => parameter.name === 'samples').flatMap((parameter) => parameter.allowed ?? []);
+    .filter((parameter) => parameter.name === 'samples' && parameter.allowed?.length !== 1)
+    .flatMap((parameter) => parameter.allowed ?? []);
   return allowed.length > 0 ? [...new Set(allowed)].sort((a, b) => a - b) : [4, 8, 16];
 }
 
