@@ -42,7 +42,7 @@ const known = {
 /** The scale of the map `role` of a result, or null when the role is no map. `technique` is the registry's entry. */
 export function scaleOf(role, technique, result) {
   const declared = technique?.maps?.find((map) => map.name === role);
-  const base = known[role] ?? (declared && {map: 'viridis', discrete: declared.unit !== '' && declared.maximum <= 64, description: declared.title});
+  const base = known[role] ?? (declared && {map: 'viridis', discrete: true, description: declared.title});
   if (!base) return null;
   const scale = {...base, title: base.title ?? declared?.title ?? role, unit: declared?.unit || base.unit || ''};
   if (declared && role !== 'error') scale.maximum = declared.maximum;

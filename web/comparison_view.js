@@ -285,7 +285,7 @@ export class ComparisonView {
       swatch.style.background = `rgb(${pixel.join(' ')})`;
       const value = side.scale ? valueOf(side.scale, pixel) : null;
       const text = side.scale
-        ? (Number.isFinite(value) ? `${value >= side.scale.maximum ? '≥ ' : '≈ '}${significant(value, 3)} ${side.scale.unit}` : 'no value')
+        ? (Number.isFinite(value) ? `${value >= side.scale.maximum ? '≥ ' : side.scale.discrete ? '' : '≈ '}${side.scale.discrete ? Math.round(value) : significant(value, 3)} ${side.scale.unit}` : 'no value')
         : pixel.map((v) => fixed(v / 255, 3)).join(' ');
       return h('span.sample', {}, swatch, h('b', {}, side.label), ' ', text);
     });

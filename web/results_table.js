@@ -44,6 +44,7 @@ const columns = [
   {title: 'Ratio', unit: '', group: 'Time', hint: 'to the baseline; only ratios travel between machines'},
   {title: 'MSE', unit: '', group: 'Error', hint: 'on the sRGB image, against the reference'},
   {title: 'PSNR', unit: 'dB', group: 'Error'},
+  {title: 'FLIP', unit: 'mean', group: 'Error', hint: 'perceived difference, 0 to 1'},
 ];
 
 function groupRow() {
@@ -79,6 +80,7 @@ function cells(s, baseline, bestMse) {
     h('td.number', {}, Number.isFinite(ratio) ? `${fixed(ratio, 2)}×` : missing),
     h('td.number', {class: s.mse === bestMse ? 'best' : ''}, scientific(s.mse)),
     h('td.number', {}, s.psnr === Infinity ? '∞' : fixed(s.psnr, 2)),
+    h('td.number', {}, fixed(s.flip, 4)),
   ];
 }
 

@@ -33,7 +33,7 @@ export class Service {
     if (this.fakeWorker) {
       writeFileSync(path, `FAKE ${JSON.stringify(behaviour)}\n`);
     } else {
-      execFileSync(this.binary, ['generate', 'grass', path, '--frames', String(behaviour.frames), '--size', '160x90', '--seed', '7']);
+      execFileSync(this.binary, ['generate', 'spheres', path, '--frames', String(behaviour.frames), '--size', '160x90', '--seed', '7']);
     }
     return path;
   }

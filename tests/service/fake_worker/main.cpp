@@ -153,7 +153,10 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
   const std::string stem = "f" + std::to_string(frame) + "-" + std::to_string(index);
   const std::vector<std::uint8_t> image = render(width, height, frame, static_cast<int>(result.samples));
   const auto write = [&](const std::string& role, const std::vector<std::uint8_t>& rgb) {
-    result.images[role] = stem + "-" + role + ".png";
+    // As with the real worker, a frame's techniques share the file of its reference, which is written once.
+    const bool shared = role == "reference";
+    result.images[role] = (shared ? "f" + std::to_string(frame) : stem) + "-" + role + ".png";
+    if (shared && std::filesystem::exists(job.out_dir / result.images[role])) return;
     tests::write_png(job.out_dir / result.images[role], width, height, rgb);
   };
   write("image", image);
