@@ -102,13 +102,15 @@ struct DepthPlane {
   float centre, dx, dy, smallest, largest;  // at the pixel's centre; per pixel; over the triangle
 };
 
+// Depths are products and sums, each rounded, never fused: fma() leaves that to the implementation, and passes must agree.
 // `depth`, `depth2`: as in TriangleRecord; `reference`: its reference pixel.
 DepthPlane depth_plane(uvec4 depth, uint depth2, ivec2 reference, ivec2 pixel) {
   DepthPlane plane;
   plane.dx = uintBitsToFloat(depth.y);
   plane.dy = uintBitsToFloat(depth.z);
   vec2 away = vec2(pixel - reference);
-  plane.centre = fma(plane.dx, away.x, fma(plane.dy, away.y, uintBitsToFloat(depth.x)));
+  precise float centre = plane.dx * away.x + (plane.dy * away.y + uintBitsToFloat(depth.x));
+  plane.centre = centre;
   plane.smallest = uintBitsToFloat(depth.w);
   plane.largest = uintBitsToFloat(depth2);
   return plane;
@@ -116,7 +118,8 @@ DepthPlane depth_plane(uvec4 depth, uint depth2, ivec2 reference, ivec2 pixel) {
 
 // Clamped to the triangle's own range: the plane of a sliver seen edge-on leaves it within a pixel.
 float sample_depth(DepthPlane plane, ivec2 offset) {
-  precise float z = fma(plane.dx, float(offset.x) * (1.0 / 128.0), fma(plane.dy, float(offset.y) * (1.0 / 128.0), plane.centre));
+  precise float z =
+      plane.dx * (float(offset.x) * (1.0 / 128.0)) + (plane.dy * (float(offset.y) * (1.0 / 128.0)) + plane.centre);
   return clamp(z, plane.smallest, plane.largest);
 }
 

@@ -147,7 +147,9 @@ TEST(Driver, SameSamplesForTrianglesOnTheGridWithinTheImage) {
   Numbers numbers(41);
   Comparison total;
   for (int round = 0; round < 8; ++round) {
-    const Comparison one = compare(device, random_triangles(numbers, 3000, 0, kImage, kFine));
+    // In every other round on multiples of 1/16 pixel, where many edges go exactly through samples.
+    const std::int64_t step = round % 2 == 0 ? kFine : 16 * kFine;
+    const Comparison one = compare(device, random_triangles(numbers, 3000, 0, kImage, step));
     total.samples += one.samples;
     total.covered += one.covered;
     total.differing += one.differing;
