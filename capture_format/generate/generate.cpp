@@ -37,6 +37,12 @@ constexpr std::array kScenes{
     Scene{{"cube", "a closed mesh of 12 triangles, turned so that three faces show"}, cube},
     Scene{{"quads", "overlapping rectangles at three depths, one alpha-tested, one emissive"}, quads},
     Scene{{"spheres", "grid of spheres, metallic from bottom to top and rough from left to right"}, spheres},
+    Scene{{"streaming_normals", "steep pleats: what merging without the condition on normals gets wrong"},
+          streaming_normals},
+    Scene{{"streaming_depth", "slats before a finely meshed wall: the same for depths"}, streaming_depth},
+    Scene{{"streaming_coverage", "mats on a floor at a grazing angle: the same for coverage"}, streaming_coverage},
+    Scene{{"streaming_angle", "light strips beside dark ones at 30 degrees: a merge that all conditions allow"},
+          streaming_angle},
 };
 
 void require(bool holds, std::string_view parameter, const std::string& why) {

@@ -76,4 +76,10 @@ Capture cube(const GenerateOptions& options);
 Capture quads(const GenerateOptions& options);
 Capture spheres(const GenerateOptions& options);
 
+// Where the merge metric of Kerzner and Salvi 2014 needs its conditions (figure 3) and where it fails (figure 8).
+Capture streaming_normals(const GenerateOptions& options);
+Capture streaming_depth(const GenerateOptions& options);
+Capture streaming_coverage(const GenerateOptions& options);
+Capture streaming_angle(const GenerateOptions& options);
+
 }  // namespace subpixel::capture

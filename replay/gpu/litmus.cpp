@@ -2,51 +2,72 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
+#include <vector>
 
 #include "capture_format/error.hpp"
 #include "replay/gpu/pass_recorder.hpp"
 
 namespace subpixel::gpu {
 namespace {
+
 constexpr std::uint32_t kSide = 256;       // several tiles in each direction
 constexpr std::uint32_t kTriangles = 512;  // over each pixel
+
+const char* name(OrderedMemory memory) {
+  return memory == OrderedMemory::attachment ? "attachment" : "buffer";
+}
+
 }  // namespace
 
-LitmusResult run_order_litmus(Device& device) {
+LitmusResult run_order_litmus(Device& device, OrderedMemory memory) {
   PassRecorder recorder(device);
-  Image& image = recorder.image({"order litmus", VK_FORMAT_R32G32B32A32_UINT, kSide, kSide, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+  constexpr VkFormat kWords = VK_FORMAT_R32G32B32A32_UINT;
+  const bool attachment = memory == OrderedMemory::attachment;
+  Image& image = recorder.image({"order litmus", kWords, kSide, kSide, 1, 1, VK_SAMPLE_COUNT_1_BIT,
                                  VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT, false});
+  Buffer& buffer = recorder.buffer("order litmus", std::uint64_t{kSide} * kSide * 16);
   RasterPass pass;
   pass.name = "order litmus";
   pass.pipeline.vertex = "frontend/litmus.vert";
-  pass.pipeline.fragment = "frontend/litmus.frag";
-  pass.pipeline.targets = {{VK_FORMAT_R32G32B32A32_UINT}, VK_FORMAT_UNDEFINED, VK_SAMPLE_COUNT_1_BIT, true, true};
+  pass.pipeline.fragment = attachment ? "frontend/litmus.frag:ATTACHMENT" : "frontend/litmus.frag:BUFFER";
+  pass.pipeline.constants = {{0, kSide}};
+  pass.pipeline.targets = {{kWords}, VK_FORMAT_UNDEFINED, VK_SAMPLE_COUNT_1_BIT, attachment, true};
   pass.colours = {{image}};
   pass.clear_colours = {{}};
+  if (!attachment) pass.bindings = {writes(0, buffer)};
   pass.draws = [](DrawEncoder& encoder) { encoder.draw(3 * kTriangles); };
   recorder.raster(std::move(pass));
   recorder.run();
-  const auto bytes = download(device, image);
-  std::vector<std::uint32_t> texels(bytes.size() / sizeof(std::uint32_t));
-  std::memcpy(texels.data(), bytes.data(), bytes.size());
+
+  std::vector<std::uint32_t> states(std::size_t{kSide} * kSide * 4);
+  if (attachment) {
+    const auto bytes = download(device, image);
+    std::memcpy(states.data(), bytes.data(), bytes.size());
+  } else {
+    std::ranges::copy(buffer.as<std::uint32_t>(), states.begin());
+  }
   LitmusResult result;
-  for (std::size_t i = 0; i < texels.size(); i += 4) {
+  for (std::size_t i = 0; i < states.size(); i += 4) {
     result.fragments += kTriangles;
-    result.order_violations += texels[i + 2];
-    result.lost_updates += kTriangles - std::min(kTriangles, texels[i + 1]);
+    result.order_violations += states[i + 2];
+    result.lost_updates += kTriangles - std::min(kTriangles, states[i + 1]);
   }
   return result;
 }
 
 void require_ordered_access(Device& device) {
-  const LitmusResult result = run_order_litmus(device);
-  if (result.order_violations == 0 && result.lost_updates == 0) return;
-  throw DeviceError(
-      "device",
-      fmt::format("fragments of a pixel are not in primitive order: {} violations and {} lost updates in {}",
-                  result.order_violations, result.lost_updates, result.fragments),
-      "ordered-access litmus on " + device.info().device);
+  for (const OrderedMemory memory : {OrderedMemory::attachment, OrderedMemory::buffer}) {
+    const LitmusResult result = run_order_litmus(device, memory);
+    if (result.order_violations == 0 && result.lost_updates == 0) continue;
+    throw DeviceError(
+        "device",
+        fmt::format(
+            "fragments of a pixel are not in primitive order: {} violations and {} lost updates in {} through {}",
+            result.order_violations, result.lost_updates, result.fragments, name(memory)),
+        "ordered-access litmus on " + device.info().device);
+  }
 }
 
 }  // namespace subpixel::gpu

@@ -5,10 +5,10 @@
 
 namespace subpixel::replay {
 
-extern const Technique kNoaa, kMsaa;
+extern const Technique kNoaa, kMsaa, kStreaming;
 
 std::span<const Technique* const> techniques() {
-  static constexpr const Technique* kAll[] = {&kNoaa, &kMsaa};
+  static constexpr const Technique* kAll[] = {&kNoaa, &kMsaa, &kStreaming};
   return kAll;
 }
 

@@ -1,0 +1,237 @@
+// Streaming G-buffer compression: one ordered geometry pass keeps up to S surfaces a pixel, merging fragments of one
+// feature and discarding what the array can't hold; the resolve finds each sample's surface and lights those that show.
+// Kerzner and Salvi, "Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing", High-Performance Graphics 2014.
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "replay/techniques/deferred.hpp"
+#include "shaders/techniques/streaming/streaming_types.h"
+
+namespace subpixel::replay {
+namespace {
+
+constexpr VkFormat kWords = VK_FORMAT_R32G32B32A32_UINT, kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
+constexpr VkImageUsageFlags kTarget =
+    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+// Vulkan requires at least 4 colour attachments; devices that run us have 8.
+constexpr std::uint32_t kMostAttachments = 8, kFewestAttachments = 3;
+
+std::uint32_t surfaces(const FrameSetup& setup) {
+  return static_cast<std::uint32_t>(setup.number("surfaces"));
+}
+
+// As in shaders/techniques/streaming/state.glsl.
+std::uint32_t state_quads(const FrameSetup& setup) {
+  const SceneFeatures features = setup.scene.features();
+  const std::uint32_t surface_words = 5 + (setup.samples == 32 ? 1 : 0) +
+                                      (setup.samples > 8 && features.has(FEATURE_VARYING_ROUGHNESS) ? 1 : 0) +
+                                      (features.has(FEATURE_EMISSIVE) ? 1 : 0);
+  return (setup.samples + 1 + surfaces(setup) * surface_words + 3) / 4;
+}
+
+gpu::Constants streaming_constants(const FrameSetup& setup) {
+  std::uint32_t options = 0;
+  const auto add = [&](std::string_view parameter, std::uint32_t option) {
+    if (setup.parameters.at(std::string(parameter)).get<bool>()) options |= option;
+  };
+  add("merge_normals", STREAM_MERGE_NORMALS);
+  add("merge_depth", STREAM_MERGE_DEPTH);
+  add("merge_coverage", STREAM_MERGE_COVERAGE);
+  if (setup.choice("merge_weight") == "coverage") options |= STREAM_WEIGHT_COVERAGE;
+  if (setup.choice("depth_space") == "clip") options |= STREAM_CLIP_SPACE;
+  const auto cosine = static_cast<float>(std::cos(setup.number("normal_angle")));
+  return {{10, surfaces(setup)}, {11, std::bit_cast<std::uint32_t>(cosine)}, {12, options}};
+}
+
+void append(gpu::Constants& constants, const gpu::Constants& more) {
+  constants.insert(constants.end(), more.begin(), more.end());
+}
+
+MemoryLayout layout(const FrameSetup& setup) {
+  const double n = setup.samples, s = surfaces(setup);
+  // Depth 32, derivatives 2 x 16, two masks, albedo 32, normal 32; up to 16 samples the masks fit the paper's 20 bytes.
+  const double masks = std::max(2 * n, 32.0);
+  const double exact = 32 + 32 + 2 * n + fitted_surface_bits(setup.scene.features());
+  MemoryLayout memory;
+  memory.paper = {{"depth", 32 * n}, {"count word", 32}, {"surfaces", (32 + 32 + masks + 32 + 32) * s}};
+  memory.fitted = {{"depth", 32 * n}, {"count word", 32}, {"surfaces", exact * s}};
+  return memory;
+}
+
+// Where the state lies: up to 32 words in attachments, whose order the device promises; more in a buffer.
+struct State {
+  gpu::Image* image = nullptr;
+  gpu::Buffer* words = nullptr;
+  gpu::Buffer* address = nullptr;
+  std::string variant() const { return image ? "IMAGE" : "BUFFER"; }
+  void bind_for_reading(gpu::RasterPass& pass) const {
+    if (image) {
+      pass.bindings.push_back(gpu::samples(0, *image));
+    } else {
+      pass.bindings.push_back(gpu::reads(0, *address));
+      pass.by_address.push_back(words);
+    }
+  }
+};
+
+State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  const std::uint32_t quads = state_quads(setup);
+  State state;
+  if (quads <= kMostAttachments) {
+    state.image = &recorder.image({"streaming state", kWords, setup.width, setup.height, 1,
+                                   std::max(quads, kFewestAttachments), VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+  } else {
+    state.words = &recorder.buffer("streaming state", std::uint64_t{setup.width} * setup.height * quads * 16);
+    state.address = &recorder.buffer("streaming state address", sizeof(VkDeviceAddress));
+    state.address->as<VkDeviceAddress>()[0] = state.words->address();
+  }
+  return state;
+}
+
+void record_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, const State& state) {
+  Frontend::GeometryPass geometry;
+  geometry.by_material = true;
+  gpu::RasterPass& pass = geometry.pass;
+  pass.name = "compress";
+  pass.pipeline.constants = common_constants(setup);
+  append(pass.pipeline.constants, streaming_constants(setup));
+  if (state.image) {
+    const std::uint32_t attachments = state.image->description().layers;
+    geometry.fragment_opaque = fmt::format("techniques/streaming/compress.frag:{}", attachments);
+    pass.pipeline.targets.ordered_read = true;
+    pass.pipeline.targets.clear = true;
+    pass.pipeline.targets.colours.assign(attachments, kWords);
+    for (std::uint32_t i = 0; i < attachments; ++i) pass.colours.emplace_back(*state.image, i);
+    pass.clear_colours.assign(attachments, {});
+  } else {
+    geometry.fragment_opaque = "techniques/streaming/compress.frag:BUFFER";
+    recorder.fill("compress", *state.words, 0);
+    pass.bindings.push_back(gpu::reads(0, *state.address));
+    pass.by_address.push_back(state.words);
+    // A pass needs a target for its size.
+    pass.pipeline.targets.colours = {VK_FORMAT_R8G8B8A8_UNORM};
+    pass.colours = {{recorder.image({"streaming target", VK_FORMAT_R8G8B8A8_UNORM, setup.width, setup.height, 1, 1,
+                                     VK_SAMPLE_COUNT_1_BIT, kTarget, false})}};
+  }
+  setup.frontend.record_geometry(recorder, std::move(geometry));
+}
+
+void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const State& state) {
+  const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+                                     kTarget,  false};
+  setup.outputs.radiance = &recorder.image(output);
+  setup.outputs.display = &recorder.image(output);
+  gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/streaming/shade.frag:" + state.variant());
+  append(pass.pipeline.constants, streaming_constants(setup));
+  pass.pipeline.targets.colours = {kFloats, kFloats};
+  pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  pass.bindings.push_back(gpu::reads(10, setup.scene.materials));
+  state.bind_for_reading(pass);
+  recorder.raster(std::move(pass));
+}
+
+// The maps are read off the state in a host step, so that they cost the technique no time, and once, since every run
+// leaves the same state.
+void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const State& state) {
+  std::vector<gpu::Image*> maps;
+  for (const char* name : {"merges", "discards", "surfaces", "order_errors"}) {
+    maps.push_back(&recorder.image(
+        {name, VK_FORMAT_R32_UINT, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false}));
+    setup.outputs.maps.emplace_back(name, maps.back());
+  }
+  gpu::RasterPass pass;
+  pass.name = "maps";
+  pass.pipeline.vertex = "shade/fullscreen.vert";
+  pass.pipeline.fragment = "techniques/streaming/maps.frag:" + state.variant();
+  pass.pipeline.constants = setup.frontend.constants();
+  append(pass.pipeline.constants, streaming_constants(setup));
+  pass.pipeline.targets.colours.assign(maps.size(), VK_FORMAT_R32_UINT);
+  for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
+  state.bind_for_reading(pass);
+  recorder.host([&device = recorder.device(), pass = std::move(pass), done = false]() mutable {
+    if (done) return;
+    gpu::PassRecorder own(device);
+    own.raster(pass);
+    own.run();
+    done = true;
+  });
+}
+
+void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  setup.frontend.record_setup(recorder);
+  const State state = make_state(recorder, setup);
+  record_compression(recorder, setup, state);
+  record_shading(recorder, setup, state);
+  record_maps(recorder, setup, state);
+}
+
+Parameter surfaces_parameter() {
+  Parameter p;
+  p.name = "surfaces";
+  p.doc = "surfaces kept for a pixel";
+  p.minimum = 1;
+  p.maximum = STREAM_MAX_SURFACES;
+  p.default_value = 3;
+  return p;
+}
+
+Parameter normal_angle_parameter() {
+  Parameter p;
+  p.name = "normal_angle";
+  p.kind = ParameterKind::number;
+  p.doc = "largest angle between the normals of fragments that merge";
+  p.unit = "radians";
+  p.minimum = 0;
+  p.maximum = std::numbers::pi;
+  p.default_value = std::numbers::pi / 4;
+  return p;
+}
+
+Parameter condition(std::string_view name, std::string_view doc) {
+  Parameter p;
+  p.name = name;
+  p.kind = ParameterKind::boolean;
+  p.doc = doc;
+  p.default_value = true;
+  return p;
+}
+
+Parameter choice(std::string_view name, std::string_view doc, std::vector<std::string_view> choices) {
+  Parameter p;
+  p.name = name;
+  p.kind = ParameterKind::choice;
+  p.doc = doc;
+  p.default_value = std::string(choices.front());
+  p.choices = std::move(choices);
+  return p;
+}
+
+}  // namespace
+
+extern const Technique kStreaming;
+
+const Technique kStreaming{
+    "streaming",
+    "Streaming G-buffer compression",
+    "Kerzner, Salvi: Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing. High-Performance Graphics 2014",
+    {surfaces_parameter(), samples_parameter({4, 8, 16, 32}, 8), normal_angle_parameter(),
+     condition("merge_normals", "fragments merge only when their normals align"),
+     condition("merge_depth", "fragments merge only when their depth intervals overlap"),
+     condition("merge_coverage", "fragments merge only when they share no sample"),
+     choice("merge_weight", "a merge weights both sides equally, or by the samples they cover", {"equal", "coverage"}),
+     choice("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
+            {"view", "clip"}),
+     alpha_parameter(), resolve_parameter(), shading_parameter()},
+    {{"merges", "Fragments merged", "fragments", 16},
+     {"discards", "Samples discarded while visible", "samples", 8},
+     {"surfaces", "Surfaces stored", "surfaces", 4},
+     {"order_errors", "Surfaces out of order", "surfaces", 4}},
+    layout,
+    record};
+
+}  // namespace subpixel::replay

@@ -1,0 +1,77 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// variants: 3=-DATTACHMENTS=3 4=-DATTACHMENTS=4 5=-DATTACHMENTS=5 6=-DATTACHMENTS=6 7=-DATTACHMENTS=7 8=-DATTACHMENTS=8 BUFFER=-DATTACHMENTS=0
+// The compression pass: a fragment that passes the n-sample depth test in some sample goes into its pixel's surfaces.
+// Reads and writes: the pixel's state (state.glsl), in primitive order.
+#define WITH_UV
+#define WITH_ATTRIBUTES
+#include "frontend/fragment.glsl"
+#include "techniques/streaming/compress.glsl"
+#include "techniques/streaming/state.glsl"
+#include "techniques/streaming/state_access.glsl"
+#include "techniques/streaming/plane.glsl"
+
+// shading_offset() of the geometry that `mask` came from.
+vec2 mask_offset(PixelEdges edges, uint mask) {
+  vec2 sum = vec2(0.0);
+  for (uint i = 0u; i < SAMPLES; ++i) sum += (mask & (1u << i)) != 0u ? vec2(sample_offset(SAMPLES, i)) : vec2(0.0);
+  float count = float(int(bitCount(mask)));
+  return covers(edges, ivec2(0)) ? vec2(0.0) : sum / (max(count, 1.0) * float(SUBPIXEL_SAMPLE_GRID));
+}
+
+void main() {
+  ivec2 pixel = pixel_of(gl_FragCoord.xy);
+  PixelEdges edges = fragment_edges(pixel);
+  uint geometry = coverage_mask(edges, SAMPLES, 0u, SAMPLES);
+  uint mask = geometry;
+  if (has_feature(FEATURE_ALPHA_TEST)) {
+    bool tested = (materials[push.material].flags.x & MATERIAL_ALPHA_TEST) != 0u;
+    for (bool go = tested && geometry != 0u; go; go = false)
+      mask = alpha_mask(geometry, 0u, SAMPLES, pixel, mask_offset(edges, geometry));
+  }
+
+  bool passes = false;
+  // Loops, here and below, are skipped when no lane needs them: fragments without a sample cost no read, rejected ones neither
+  // attributes nor the list.
+  for (bool covered = mask != 0u; covered; covered = false) {
+    find_state(pixel);
+    DepthPlane plane = fragment_depth(pixel);
+    uvec4 depths[8];
+    for (uint i = 0u; i < DEPTH_QUADS; ++i) {
+      uvec4 before = quad(i);
+      depths[i] = stream_nearer(before, SAMPLES, mask, 4u * i, plane);
+      passes = passes || depths[i] != before;
+    }
+    for (bool go = passes; go; go = false) {
+      StreamList list;
+      for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i) {
+        uvec4 words = quad(DEPTH_QUADS + i);
+        for (uint c = 0u; c < 4u; ++c) list.word[4u * i + c] = words[c];
+      }
+      uint word;
+      StreamSurface surface[STREAM_MAX_SURFACES];
+      stream_unpack(list, word, surface);
+
+      vec2 offset = mask_offset(edges, geometry);
+      uvec4 packed = pack_surface(fragment_surface(pixel, offset));
+      StreamSurface fragment;
+      stream_plane(plane, pixel, offset, fragment.depth, fragment.slopes);
+      fragment.coverage = mask;
+      fragment.resolved = mask;
+      fragment.albedo = packed.x;
+      fragment.normal = packed.y;
+      fragment.roughness = packed.z & 255u;
+      fragment.emission = packed.w;
+      stream_add(word, surface, fragment);
+
+      stream_pack(word, surface, list);
+      for (uint i = 0u; i < DEPTH_QUADS; ++i) set_quad(i, depths[i]);
+      for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i)
+        set_quad(DEPTH_QUADS + i,
+                 uvec4(list.word[4u * i], list.word[4u * i + 1u], list.word[4u * i + 2u], list.word[4u * i + 3u]));
+    }
+  }
+  if (!passes) discard;
+}

@@ -1,0 +1,38 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// variants: IMAGE=-DIMAGE BUFFER=
+// What the compression pass did to each pixel.
+// Reads: the pixel's state. Writes: merges, samples discarded while visible, surfaces stored, neighbours in the front-to-back
+// order that stand the wrong way round.
+layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "techniques/streaming/compress.glsl"
+#include "techniques/streaming/state.glsl"
+#include "techniques/streaming/state_read.glsl"
+
+layout(location = 0) out uint out_merges;
+layout(location = 1) out uint out_discards;
+layout(location = 2) out uint out_surfaces;
+layout(location = 3) out uint out_order_errors;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  uint word = read_count_word(pixel);
+  uint count = word & ((1u << STREAM_COUNT_BITS) - 1u);
+  uint order = (word >> STREAM_ORDER_SHIFT) & ((1u << STREAM_ORDER_BITS) - 1u);
+  StreamSurface surface[STREAM_MAX_SURFACES];
+  read_surfaces(pixel, surface);
+  uint errors = 0u;
+  float before = 0.0;
+  for (uint place = 0u; place < SURFACES; ++place) {
+    float depth = surface[0].depth;
+    for (uint i = 1u; i < SURFACES; ++i) depth = stream_slot(order, place) == i ? surface[i].depth : depth;
+    errors += place > 0u && place < count && depth < before ? 1u : 0u;
+    before = depth;
+  }
+  out_merges = (word >> STREAM_MERGES_SHIFT) & ((1u << STREAM_MERGES_BITS) - 1u);
+  out_discards = (word >> STREAM_DROPPED_SHIFT) & ((1u << STREAM_DROPPED_BITS) - 1u);
+  out_surfaces = count;
+  out_order_errors = errors;
+}

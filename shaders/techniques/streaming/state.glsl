@@ -1,0 +1,71 @@
+// A pixel's compressed state as 32-bit words: n sample depths, the count word, SURFACES surfaces.
+// Words lie in colour attachments of four words each while ATTACHMENTS > 0, so that reads and writes of a pixel's
+// fragments are ordered by VK_EXT_rasterization_order_attachment_access. States of more than 32 words (ATTACHMENTS 0) lie
+// in a buffer, one pixel's words together; their order is that of the device's fragments, proven at start-up.
+// Needs compress.glsl and SAMPLES before it.
+#ifndef SUBPIXEL_STREAMING_STATE_GLSL
+#define SUBPIXEL_STREAMING_STATE_GLSL
+
+const uint DEPTH_QUADS = SAMPLES / 4u;
+const uint ROUGHNESS_WORDS = ((FEATURES / FEATURE_VARYING_ROUGHNESS) & 1u) * (SAMPLES / 16u - SAMPLES / 32u);
+const uint EMISSION_WORDS = (FEATURES / FEATURE_EMISSIVE) & 1u;
+// Up to 8 samples, both masks and the roughness share a word; at 32 each mask has its own.
+const uint RESOLVED_WORDS = SAMPLES / 32u;
+const uint SURFACE_WORDS = 5u + RESOLVED_WORDS + ROUGHNESS_WORDS + EMISSION_WORDS;
+const uint STATE_QUADS = (SAMPLES + 1u + SURFACES * SURFACE_WORDS + 3u) / 4u;
+#define MAX_STATE_QUADS 17u  // 32 samples and 4 surfaces of 8 words
+
+#define MAX_LIST_WORDS 36
+struct StreamList {
+  uint word[MAX_LIST_WORDS];  // the count word, then the surfaces
+};
+
+void stream_unpack(StreamList list, out uint word, out StreamSurface surface[STREAM_MAX_SURFACES]) {
+  word = list.word[0];
+  for (uint i = 0u; i < SURFACES; ++i) {
+    uint base = 1u + i * SURFACE_WORDS, masks = list.word[base + 2u];
+    surface[i].depth = uintBitsToFloat(list.word[base]);
+    surface[i].slopes = list.word[base + 1u];
+    surface[i].albedo = list.word[base + 3u];
+    surface[i].normal = list.word[base + 4u];
+    surface[i].roughness = 0u;
+    if (SAMPLES <= 8u) {
+      surface[i].coverage = masks & 255u;
+      surface[i].resolved = (masks >> 8) & 255u;
+      surface[i].roughness = masks >> 16;
+    } else if (SAMPLES == 16u) {
+      surface[i].coverage = masks & 0xffffu;
+      surface[i].resolved = masks >> 16;
+    } else {
+      surface[i].coverage = masks;
+      surface[i].resolved = list.word[base + 5u];
+    }
+    if (ROUGHNESS_WORDS != 0u) surface[i].roughness = list.word[base + 5u + RESOLVED_WORDS];
+    surface[i].emission = 0u;
+    if (EMISSION_WORDS != 0u) surface[i].emission = list.word[base + 5u + RESOLVED_WORDS + ROUGHNESS_WORDS];
+  }
+}
+
+void stream_pack(uint word, StreamSurface surface[STREAM_MAX_SURFACES], out StreamList list) {
+  for (uint i = 0u; i < MAX_LIST_WORDS; ++i) list.word[i] = 0u;
+  list.word[0] = word;
+  for (uint i = 0u; i < SURFACES; ++i) {
+    uint base = 1u + i * SURFACE_WORDS;
+    list.word[base] = floatBitsToUint(surface[i].depth);
+    list.word[base + 1u] = surface[i].slopes;
+    list.word[base + 3u] = surface[i].albedo;
+    list.word[base + 4u] = surface[i].normal;
+    if (SAMPLES <= 8u) {
+      list.word[base + 2u] = surface[i].coverage | surface[i].resolved << 8 | surface[i].roughness << 16;
+    } else if (SAMPLES == 16u) {
+      list.word[base + 2u] = surface[i].coverage | surface[i].resolved << 16;
+    } else {
+      list.word[base + 2u] = surface[i].coverage;
+      list.word[base + 5u] = surface[i].resolved;
+    }
+    if (ROUGHNESS_WORDS != 0u) list.word[base + 5u + RESOLVED_WORDS] = surface[i].roughness;
+    if (EMISSION_WORDS != 0u) list.word[base + 5u + RESOLVED_WORDS + ROUGHNESS_WORDS] = surface[i].emission;
+  }
+}
+
+#endif
