@@ -35,7 +35,9 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "subpixel: command line: {}\n", error.what());
+    const bool unknown_verb = argc > 1 && app.get_subcommands().empty() && argv[1][0] != '-';
+    fmt::print(stderr, "subpixel: command line: {}\n",
+               unknown_verb ? fmt::format("'{}' is not a verb; --help lists them", argv[1]) : error.what());
     return 2;
   }
   try {

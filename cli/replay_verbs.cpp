@@ -32,8 +32,10 @@ std::uint32_t parse_number(std::string_view text, std::string_view what, const c
 std::pair<std::uint32_t, std::uint32_t> parse_size(const std::string& text) {
   const auto x = text.find('x');
   if (x == std::string::npos) throw UsageError("size", fmt::format("'{}' is not WIDTHxHEIGHT", text), "--size");
-  return {parse_number(std::string_view(text).substr(0, x), "size", "--size"),
-          parse_number(std::string_view(text).substr(x + 1), "size", "--size")};
+  const std::uint32_t width = parse_number(std::string_view(text).substr(0, x), "size", "--size");
+  const std::uint32_t height = parse_number(std::string_view(text).substr(x + 1), "size", "--size");
+  if (width == 0 || height == 0) throw UsageError("size", fmt::format("'{}' has no pixels", text), "--size");
+  return {width, height};
 }
 
 std::pair<std::uint32_t, std::uint32_t> parse_frames(const std::string& text) {
