@@ -15,8 +15,8 @@ namespace {
 TEST(Device, KeepsFragmentsOfAPixelInOrder) {
   gpu::Device device;
   std::uint64_t fragments = 0;
-  for (int round = 0; round < 3; ++round) {
-    const gpu::LitmusResult result = gpu::run_order_litmus(device);
+  for (const auto memory : {gpu::OrderedMemory::attachment, gpu::OrderedMemory::buffer}) {
+    const gpu::LitmusResult result = gpu::run_order_litmus(device, memory);
     EXPECT_EQ(result.order_violations, 0u);
     EXPECT_EQ(result.lost_updates, 0u);
     fragments += result.fragments;
