@@ -30,10 +30,12 @@ struct StreamSurface {
   uint emission;    // shared exponent
 };
 
-// Half the width of the depths that the surface may have in the pixel (section 3.1).
-float stream_reach(uint slopes) {
+// The depths that the surface may have in the pixel, nearest and farthest (section 3.1).
+vec2 stream_interval(float depth, uint slopes) {
   vec2 slope = abs(unpackHalf2x16(slopes));
-  return slope.x + slope.y;
+  precise float reach = slope.x + slope.y;
+  precise vec2 interval = vec2(depth - reach, depth + reach);
+  return interval;
 }
 
 // unpack_normal() with every operation's order given, so that the alignment of two normals is the same bit everywhere.
@@ -135,17 +137,16 @@ uint stream_matches(StreamSurface surface[STREAM_MAX_SURFACES], uint count, Stre
   }
   uint matches = 0u;
   for (bool any_candidate = candidates != 0u; any_candidate; any_candidate = false) {
-    float reach = stream_reach(fragment.slopes);
+    vec2 interval = stream_interval(fragment.depth, fragment.slopes);
     vec3 normal = stream_normal(fragment.normal);
     matches = candidates;
     for (uint i = 0u; i < SURFACES; ++i) {
-      float other_reach = stream_reach(surface[i].slopes);
+      vec2 other_interval = stream_interval(surface[i].depth, surface[i].slopes);
       vec3 other = stream_normal(surface[i].normal);
       precise float cosine = normal.x * other.x + normal.y * other.y + normal.z * other.z;
       bool aligned = !stream_option(STREAM_MERGE_NORMALS) || cosine > COS_NORMAL_ANGLE;
       bool overlap = !stream_option(STREAM_MERGE_DEPTH) ||
-                     (surface[i].depth - other_reach <= fragment.depth + reach &&
-                      fragment.depth - reach <= surface[i].depth + other_reach);
+                     (other_interval.x <= interval.y && interval.x <= other_interval.y);
       matches &= aligned && overlap ? ~0u : ~(1u << i);
     }
   }
@@ -163,27 +164,24 @@ uint stream_place(StreamSurface surface[STREAM_MAX_SURFACES], uint listed, float
 // depth-resolved coverages, and returns the slot of the one to discard, SURFACES for the fragment. `left`: its coverage.
 uint stream_fuse(inout StreamSurface surface[STREAM_MAX_SURFACES], uint order, inout StreamSurface fragment, out uint left) {
   uint place = stream_place(surface, (1u << SURFACES) - 1u, fragment.depth);
-  float reach[STREAM_MAX_SURFACES];
-  for (uint i = 0u; i < SURFACES; ++i) reach[i] = stream_reach(surface[i].slopes);
-  float fragment_reach = stream_reach(fragment.slopes);
+  vec2 own_interval = stream_interval(fragment.depth, fragment.slopes);
   uint fused = 0u, discarded = 0u;
   float farthest = 0.0;
   left = 0xffffffffu;
   for (uint k = 0u; k <= SURFACES; ++k) {
     uint slot = stream_slot(order, k - (k > place ? 1u : 0u));
     bool own = k == place;
-    float depth = fragment.depth, width = fragment_reach;
+    vec2 interval = own_interval;
     uint coverage = fragment.coverage, resolved = fragment.resolved;
     for (uint i = 0u; i < SURFACES; ++i) {
       bool here = !own && slot == i;
-      depth = here ? surface[i].depth : depth;
-      width = here ? reach[i] : width;
+      interval = here ? stream_interval(surface[i].depth, surface[i].slopes) : interval;
       coverage = here ? surface[i].coverage : coverage;
       resolved = here ? surface[i].resolved : resolved;
     }
     // Depths rise with k, so intervals that don't overlap lie one behind the other. Nothing is fused before the first.
-    resolved &= depth - width > farthest ? ~fused : ~0u;
-    farthest = k == 0u ? depth + width : max(farthest, depth + width);
+    resolved &= interval.x > farthest ? ~fused : ~0u;
+    farthest = k == 0u ? interval.y : max(farthest, interval.y);
     fused |= coverage;
     for (uint i = 0u; i < SURFACES; ++i) surface[i].resolved = !own && slot == i ? resolved : surface[i].resolved;
     fragment.resolved = own ? resolved : fragment.resolved;

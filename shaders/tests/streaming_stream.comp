@@ -1,0 +1,52 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// The streaming compression fed with a stream of its own: one invocation compresses one pixel.
+// Reads: ranges, first fragment and count of each pixel; fragments. Writes: the pixel's state as compress.frag leaves it.
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "techniques/streaming/compress.glsl"
+#include "techniques/streaming/state.glsl"
+#include "tests/streaming_test_types.h"
+
+layout(set = 0, binding = 1, scalar) readonly buffer Ranges { uvec2 ranges[]; };
+layout(set = 0, binding = 2, scalar) readonly buffer Fragments { StreamTestFragment fragments[]; };
+layout(set = 0, binding = 3, scalar) writeonly buffer Quads { uvec4 quads[]; };
+
+void main() {
+  uint pixel = gl_GlobalInvocationID.x;
+  if (pixel >= uint(ranges.length())) return;
+  uvec4 depths[8];
+  for (uint i = 0u; i < DEPTH_QUADS; ++i) depths[i] = uvec4(0u);
+  uint word = 0u;
+  StreamSurface surface[STREAM_MAX_SURFACES];
+  for (uint i = 0u; i < STREAM_MAX_SURFACES; ++i) surface[i] = StreamSurface(0.0, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
+  for (uint k = 0u; k < ranges[pixel].y; ++k) {
+    StreamTestFragment given = fragments[ranges[pixel].x + k];
+    DepthPlane plane = DepthPlane(given.plane.x, given.plane.y, given.plane.z, given.plane.w, given.depth.w);
+    bool passes = false;
+    for (uint i = 0u; i < DEPTH_QUADS; ++i) {
+      uvec4 before = depths[i];
+      depths[i] = stream_nearer(before, SAMPLES, given.words.x, 4u * i, plane);
+      passes = passes || depths[i] != before;
+    }
+    for (; passes; passes = false) {
+      StreamSurface fragment;
+      fragment.depth = given.depth.x;
+      fragment.slopes = packHalf2x16(given.depth.yz);
+      fragment.coverage = given.words.x;
+      fragment.resolved = given.words.x;
+      fragment.albedo = given.words.y;
+      fragment.normal = given.words.z;
+      fragment.roughness = given.words.w;
+      fragment.emission = given.more.x;
+      stream_add(word, surface, fragment);
+    }
+  }
+  StreamList list;
+  stream_pack(word, surface, list);
+  for (uint i = 0u; i < DEPTH_QUADS; ++i) quads[pixel * STATE_QUADS + i] = depths[i];
+  for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i)
+    quads[pixel * STATE_QUADS + DEPTH_QUADS + i] =
+        uvec4(list.word[4u * i], list.word[4u * i + 1u], list.word[4u * i + 2u], list.word[4u * i + 3u]);
+}

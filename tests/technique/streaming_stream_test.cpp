@@ -1,0 +1,205 @@
+// The shaders' streaming compression against the transcription from the paper, on streams of random fragments.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "replay/gpu/pass_recorder.hpp"
+#include "shaders/include/shared_types.h"
+#include "shaders/tests/streaming_test_types.h"
+#include "tests/technique/scene_device_fixture.hpp"
+#include "tests/technique/streaming_words.hpp"
+
+namespace subpixel::streaming_test {
+namespace {
+
+using gpu_types::StreamTestFragment;
+
+struct Case {
+  Options options;
+  bool varying_roughness = false;
+  std::uint32_t pixels = 4000;
+};
+
+// Streams in which every outcome is frequent: a few features a pixel (a plane, a normal, an albedo) that fragments
+// share and leave by small amounts, masks that are parts of the pixel or all of it.
+struct Streams {
+  std::vector<glm::uvec2> ranges;
+  std::vector<StreamTestFragment> fragments;
+};
+
+Streams random_streams(const Case& wanted, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto unit = [&] { return std::uniform_real_distribution<float>(0, 1)(random); };
+  const auto below = [&](std::uint32_t n) { return std::uniform_int_distribution<std::uint32_t>(0, n - 1)(random); };
+  const auto bits = [&] { return static_cast<std::uint32_t>(random()); };
+  const std::uint32_t all = wanted.options.samples == 32 ? ~0u : (1u << wanted.options.samples) - 1;
+  Streams streams;
+  for (std::uint32_t pixel = 0; pixel < wanted.pixels; ++pixel) {
+    const std::uint32_t count = 1 + below(60), features = 1 + below(6);
+    struct Feature {
+      float distance, slope_x, slope_y;
+      Vector normal;
+    };
+    std::vector<Feature> feature(features);
+    for (auto& f : feature)
+      f = {1.0f + 8.0f * unit(),
+           (unit() - 0.5f) * unit(),
+           (unit() - 0.5f) * unit(),
+           {unit() - 0.5f, unit() - 0.5f, unit() - 0.5f}};
+    streams.ranges.emplace_back(static_cast<std::uint32_t>(streams.fragments.size()), count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Feature& f = feature[below(features)];
+      const float distance = f.distance + (unit() - 0.5f) * 0.1f;
+      const float tilt = 0.6f * unit();
+      std::uint32_t mask = bits() & all;
+      if (below(3) != 0) mask &= bits();
+      if (below(8) == 0) mask = all;
+      if (mask == 0) mask = 1u << below(wanted.options.samples);
+      StreamTestFragment fragment{};
+      // Reversed depth 1 / distance and its slopes.
+      fragment.plane = {1.0f / distance, -f.slope_x / (distance * distance), -f.slope_y / (distance * distance),
+                        0.001f};
+      fragment.depth = {distance, f.slope_x + (unit() - 0.5f) * 0.01f, f.slope_y, 1.0f};
+      fragment.words = {mask, bits(),
+                        encode_normal({f.normal.x + tilt * (unit() - 0.5f), f.normal.y + tilt * (unit() - 0.5f),
+                                       f.normal.z + tilt * (unit() - 0.5f)}),
+                        bits() & 255u};
+      streams.fragments.push_back(fragment);
+    }
+  }
+  return streams;
+}
+
+std::vector<std::uint32_t> run_on_device(const Case& wanted, const WordLayout& layout, const Streams& streams) {
+  gpu::Device& device = replay::test_device();
+  gpu::PassRecorder recorder(device);
+  gpu::Buffer frame(device, "frame", sizeof(gpu_types::FrameConstants));
+  gpu::Buffer& ranges = recorder.buffer("ranges", streams.ranges.size() * sizeof(glm::uvec2));
+  std::copy(streams.ranges.begin(), streams.ranges.end(), ranges.as<glm::uvec2>().begin());
+  gpu::Buffer& fragments = recorder.buffer("fragments", streams.fragments.size() * sizeof(StreamTestFragment));
+  std::copy(streams.fragments.begin(), streams.fragments.end(), fragments.as<StreamTestFragment>().begin());
+  gpu::Buffer& quads = recorder.buffer("state", streams.ranges.size() * layout.quads() * 16);
+  const Options& o = wanted.options;
+  const std::uint32_t options =
+      (o.merge_normals ? STREAM_MERGE_NORMALS : 0u) | (o.merge_depth ? STREAM_MERGE_DEPTH : 0u) |
+      (o.merge_coverage ? STREAM_MERGE_COVERAGE : 0u) | (o.weight_by_coverage ? STREAM_WEIGHT_COVERAGE : 0u);
+  gpu::ComputePass pass;
+  pass.name = "stream";
+  pass.shader = "tests/streaming_stream.comp";
+  pass.constants = {{0, o.samples},
+                    {1, wanted.varying_roughness ? FEATURE_VARYING_ROUGHNESS | FEATURE_METAL : FEATURE_METAL},
+                    {10, o.surfaces},
+                    {11, std::bit_cast<std::uint32_t>(o.cos_normal_angle)},
+                    {12, options}};
+  pass.bindings = {gpu::uniform(frame), gpu::reads(0, ranges), gpu::reads(1, fragments), gpu::writes(2, quads)};
+  pass.groups = {static_cast<std::uint32_t>((streams.ranges.size() + 63) / 64), 1, 1};
+  recorder.compute(pass);
+  recorder.run();
+  const auto words = quads.as<std::uint32_t>();
+  return {words.begin(), words.end()};
+}
+
+struct Totals {
+  std::uint64_t merges = 0, dropped = 0, flags = 0, full = 0;
+  Totals& operator+=(const Totals& more) {
+    merges += more.merges;
+    dropped += more.dropped;
+    flags += more.flags;
+    full += more.full;
+    return *this;
+  }
+};
+
+// Bit for bit: every surface, the depth buffer, order, flag and counts of every pixel.
+Totals expect_same_surfaces(const Case& wanted, std::uint32_t seed) {
+  const Streams streams = random_streams(wanted, seed);
+  const WordLayout layout{wanted.options.samples, wanted.options.surfaces, wanted.varying_roughness, false};
+  const std::vector<std::uint32_t> words = run_on_device(wanted, layout, streams);
+  Totals totals;
+  std::uint32_t wrong = 0;
+  for (std::size_t i = 0; i < streams.ranges.size(); ++i) {
+    Compressor paper(wanted.options);
+    for (std::uint32_t k = 0; k < streams.ranges[i].y; ++k) {
+      const StreamTestFragment& f = streams.fragments[streams.ranges[i].x + k];
+      Surface s;
+      s.depth = f.depth.x;
+      s.slope_x = to_half(f.depth.y);
+      s.slope_y = to_half(f.depth.z);
+      s.coverage = f.words.x;
+      for (std::size_t c = 0; c < 4; ++c) s.albedo[c] = static_cast<std::uint8_t>(f.words.y >> (8 * c));
+      s.normal = f.words.z;
+      s.roughness = layout.keeps_roughness() ? static_cast<std::uint8_t>(f.words.w) : 0;
+      paper.add({f.plane.x, f.plane.y, f.plane.z, f.plane.w, f.depth.w}, s);
+    }
+    const Pixel& expected = paper.pixel();
+    const std::size_t stride = layout.quads() * 4;
+    const Pixel device = read_state(layout, std::span(words).subspan(i * stride, stride));
+    const bool same = device.surfaces == expected.surfaces && device.depth_buffer == expected.depth_buffer &&
+                      device.discarded == expected.discarded && device.merges == expected.merges &&
+                      device.dropped_samples == expected.dropped_samples;
+    if (!same && ++wrong == 1) {
+      ADD_FAILURE() << "pixel " << i << " of " << streams.ranges[i].y << " fragments: " << device.surfaces.size()
+                    << " and " << expected.surfaces.size() << " surfaces, merges " << device.merges << " and "
+                    << expected.merges << ", dropped samples " << device.dropped_samples << " and "
+                    << expected.dropped_samples;
+      for (std::size_t k = 0; k < std::min(device.surfaces.size(), expected.surfaces.size()); ++k) {
+        const Surface &a = device.surfaces[k], &b = expected.surfaces[k];
+        ADD_FAILURE() << a.depth << " " << b.depth << " slopes " << a.slope_x << " " << b.slope_x << ", " << a.slope_y
+                      << " " << b.slope_y << " masks " << a.coverage << " " << b.coverage << ", " << a.resolved << " "
+                      << b.resolved << " normals " << std::hex << a.normal << " " << b.normal << " albedo "
+                      << std::bit_cast<std::uint32_t>(a.albedo) << " " << std::bit_cast<std::uint32_t>(b.albedo);
+      }
+    }
+    totals.merges += expected.merges;
+    totals.dropped += expected.dropped_samples;
+    totals.flags += expected.discarded;
+    totals.full += expected.surfaces.size() == wanted.options.surfaces;
+  }
+  EXPECT_EQ(wrong, 0u) << "of " << streams.ranges.size() << " pixels";
+  return totals;
+}
+
+TEST(StreamingStream, LeavesTheSurfacesOfThePaperOn100000Pixels) {
+  // In parts that fit the smallest range a storage buffer may have.
+  Case wanted;
+  wanted.pixels = 25000;
+  Totals totals;
+  for (std::uint32_t part = 0; part < 4; ++part) totals += expect_same_surfaces(wanted, 1 + part);
+  // The streams are worth something: every path was taken often.
+  EXPECT_GT(totals.merges, 50000u);
+  EXPECT_GT(totals.dropped, 50000u);
+  EXPECT_GT(totals.flags, 10000u);
+  EXPECT_LT(totals.flags, 99000u);
+  EXPECT_GT(totals.full, 50000u);
+}
+
+TEST(StreamingStream, AgreesForEveryNumberOfSurfacesAndSamples) {
+  std::uint32_t seed = 100;
+  for (const std::uint32_t samples : {4u, 8u, 16u, 32u})
+    for (std::uint32_t surfaces = 1; surfaces <= STREAM_MAX_SURFACES; ++surfaces) {
+      SCOPED_TRACE(testing::Message() << samples << " samples, " << surfaces << " surfaces");
+      Case wanted;
+      wanted.options.samples = samples;
+      wanted.options.surfaces = surfaces;
+      wanted.varying_roughness = surfaces % 2 == 0;
+      expect_same_surfaces(wanted, seed++);
+    }
+}
+
+TEST(StreamingStream, AgreesWithEachConditionSwitchedOffAndWithOtherWeights) {
+  std::uint32_t seed = 200;
+  for (const std::uint32_t off : {1u, 2u, 4u, 7u})
+    for (const bool by_coverage : {false, true}) {
+      SCOPED_TRACE(testing::Message() << "conditions off: " << off << ", weights by coverage: " << by_coverage);
+      Case wanted;
+      wanted.options.merge_normals = (off & 1u) == 0;
+      wanted.options.merge_depth = (off & 2u) == 0;
+      wanted.options.merge_coverage = (off & 4u) == 0;
+      wanted.options.weight_by_coverage = by_coverage;
+      wanted.options.cos_normal_angle = std::cos(0.4f);
+      expect_same_surfaces(wanted, seed++);
+    }
+}
+
+}  // namespace
+}  // namespace subpixel::streaming_test
