@@ -47,7 +47,7 @@ enum class AlphaMode : std::uint32_t { opaque = 0, test = 1, blend = 2 };
 struct Material {
   std::string name;
   std::array<float, 4> base_colour{1, 1, 1, 1};  // linear
-  std::uint32_t base_colour_texture = kNone;      // alpha in A
+  std::uint32_t base_colour_texture = kNone;     // alpha in A
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
   float metallic = 0.0f;
@@ -87,12 +87,13 @@ struct Draw {
   VertexStream position, normal, uv, tangent;  // position is required; tangent.w is the bitangent sign
   IndexType index_type = IndexType::none;
   std::uint32_t index_buffer = kNone;
-  std::uint64_t index_offset = 0;   // bytes
-  std::uint32_t index_count = 0;    // indices (index_type none: vertices) drawn; a multiple of 3
-  std::int32_t base_vertex = 0;     // added to every index
-  std::uint32_t vertex_count = 0;   // vertices the streams hold; index + base_vertex must be below it
+  std::uint64_t index_offset = 0;  // bytes
+  std::uint32_t index_count = 0;   // indices (index_type none: vertices) drawn; a multiple of 3
+  std::int32_t base_vertex = 0;    // added to every index
+  std::uint32_t vertex_count = 0;  // vertices the streams hold; index + base_vertex must be below it
   Matrix4 transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // object to world
-  // Instance i is placed by transform * instance matrix i (Matrix4s, tightly packed). instance_count 1 and buffer kNone: one.
+  // Instance i is placed by transform * instance matrix i (Matrix4s, tightly packed). instance_count 1 and buffer
+  // kNone: one.
   std::uint32_t instance_buffer = kNone;
   std::uint64_t instance_offset = 0;  // bytes
   std::uint32_t instance_count = 1;
@@ -119,11 +120,11 @@ struct Frame {
   Matrix4 view{};        // world to view, right-handed, looking down -z
   Matrix4 projection{};  // view to clip
   ClipDepth clip_depth = ClipDepth::one_to_zero;
-  bool clip_y_up = false;  // false: Vulkan (clip +y is down the image); true: OpenGL, Direct3D
+  bool clip_y_up = false;                    // false: Vulkan (clip +y is down the image); true: OpenGL, Direct3D
   std::uint32_t width = 1280, height = 720;  // pixels it was recorded at; the default replay size
   float exposure = 1.0f;
-  Float3 sky{0.35f, 0.5f, 0.75f};      // linear radiance of what no surface covers
-  Float3 ambient{0.3f, 0.35f, 0.4f};   // linear irradiance / pi from everywhere
+  Float3 sky{0.35f, 0.5f, 0.75f};     // linear radiance of what no surface covers
+  Float3 ambient{0.3f, 0.35f, 0.4f};  // linear irradiance / pi from everywhere
   std::optional<DirectionalLight> sun;
   std::vector<PointLight> point_lights;
   std::vector<Draw> draws;

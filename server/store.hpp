@@ -26,7 +26,7 @@ struct CaptureRecord {
   std::string uploaded_utc;
   std::string title;
   std::uint32_t frame_count = 0, width = 0, height = 0;
-  std::uint64_t triangles = 0;  // of the frame that has most
+  std::uint64_t triangles = 0;           // of the frame that has most
   nlohmann::json summary;                // of `subpixel info --json`
   std::optional<std::string> thumbnail;  // blob hash
 };

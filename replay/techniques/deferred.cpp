@@ -1,6 +1,11 @@
 #include "replay/techniques/deferred.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <numeric>
+
+#include "capture_format/error.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -9,16 +14,20 @@ constexpr VkImageUsageFlags kTarget =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
 }  // namespace
 
-std::uint32_t gbuffer_group(std::uint32_t samples) { return std::min(samples, 8u); }
+std::uint32_t gbuffer_group(std::uint32_t samples) {
+  return std::min(samples, 8u);
+}
 
-gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  return recorder.image({"G-buffer", kWords, setup.width, setup.height, 1, gbuffer_group(setup.samples),
-                         VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, bool all_samples) {
+  const std::uint32_t layers = all_samples ? setup.samples : gbuffer_group(setup.samples);
+  return recorder.image(
+      {"G-buffer", kWords, setup.width, setup.height, 1, layers, VK_SAMPLE_COUNT_1_BIT, kTarget, true});
 }
 
 void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, gpu::Image& gbuffer,
                     std::uint32_t group) {
   const std::uint32_t count = gbuffer_group(setup.samples);
+  const std::uint32_t first_layer = gbuffer.description().layers > count ? group * count : 0;
   Frontend::GeometryPass geometry;
   geometry.by_material = true;
   geometry.fragment_opaque = "deferred/gbuffer.frag:" + std::to_string(count);
@@ -29,14 +38,57 @@ void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::I
   pass.pipeline.targets.ordered_read = count > 1;
   pass.pipeline.targets.clear = true;
   pass.pipeline.targets.colours.assign(count, kWords);
-  for (std::uint32_t i = 0; i < count; ++i) pass.colours.emplace_back(gbuffer, i);
+  for (std::uint32_t i = 0; i < count; ++i) pass.colours.emplace_back(gbuffer, first_layer + i);
   pass.clear_colours.assign(count, {});
   pass.bindings = {gpu::samples(0, visibility)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
 
 gpu::Image& sum_image(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  return recorder.image({"sum", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
+  return recorder.image({"sum", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+                         kTarget | VK_IMAGE_USAGE_STORAGE_BIT, false});
+}
+
+gpu::Image& map_image(gpu::PassRecorder& recorder, const FrameSetup& setup, std::string name) {
+  return recorder.image(
+      {std::move(name), VK_FORMAT_R32_UINT, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
+}
+
+PixelList record_pixel_list(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& flags) {
+  constexpr std::uint32_t kTile = 8;
+  const std::uint32_t tiles = ((setup.width + kTile - 1) / kTile) * ((setup.height + kTile - 1) / kTile);
+  gpu::Buffer& sums = recorder.buffer("tile sums", (std::uint64_t{tiles} + 1) * 8);
+  gpu::Buffer& counts = recorder.buffer("tile counts", std::uint64_t{tiles} * 4);
+  const PixelList list{&recorder.buffer("pixel list", (std::uint64_t{setup.width} * setup.height + 1) * 4),
+                       &recorder.buffer("pixel list groups", 12)};
+  gpu::ComputePass pass;
+  pass.name = "compact";
+  pass.shader = "deferred/count_pixels.comp";
+  pass.bindings = {gpu::samples(0, flags), gpu::writes(0, sums), gpu::writes(1, counts)};
+  pass.groups = {(tiles + 63) / 64, 1, 1};
+  recorder.compute(pass);
+
+  gpu::ComputePass scan;
+  scan.name = "compact";
+  scan.shader = "frontend/scan.comp";
+  scan.bindings = {gpu::writes(0, sums)};
+  scan.push = gpu::PushConstants(tiles);
+  recorder.compute(std::move(scan));
+
+  pass.shader = "deferred/list_pixels.comp";
+  pass.bindings = {gpu::samples(0, flags), gpu::reads(0, sums), gpu::writes(1, *list.pixels),
+                   gpu::writes(2, *list.groups)};
+  recorder.compute(std::move(pass));
+
+  recorder.host([&counts, list] {
+    const auto parts = counts.as<std::uint32_t>();
+    const std::uint32_t expected = std::accumulate(parts.begin(), parts.end(), 0u);
+    const std::uint32_t listed = list.pixels->as<std::uint32_t>()[0];
+    if (listed != expected)
+      throw DeviceError("pixel list", fmt::format("the device counted {} pixels of {}", listed, expected),
+                        "pass compact");
+  });
+  return list;
 }
 
 gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::string fragment) {
@@ -67,8 +119,8 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
 }
 
 void record_resolve(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& sum) {
-  const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget,
-                                     false};
+  const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+                                     kTarget,  false};
   setup.outputs.radiance = &recorder.image(output);
   setup.outputs.display = &recorder.image(output);
   gpu::RasterPass pass;

@@ -1,4 +1,5 @@
-// Parts that several techniques are put together from: a G-buffer of full samples, shading all of them, the final images.
+// Parts that several techniques are put together from: a G-buffer of full samples, shading all of them, the final
+// images.
 #pragma once
 
 #include "replay/techniques/frame_setup.hpp"
@@ -8,19 +9,33 @@ namespace subpixel::replay {
 // Samples a pass of the full-sample G-buffer handles at once; more are handled in groups that reuse the buffer.
 std::uint32_t gbuffer_group(std::uint32_t samples);
 
-// RGBA32UI array of gbuffer_group(samples) layers, 16 bytes a sample as in shaders/include/packing.glsl.
-gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup);
-// Fills it for sample group `group`; pass "gbuffer".
+// RGBA32UI array, 16 bytes a sample as in shaders/include/packing.glsl: of gbuffer_group(samples) layers, or of all
+// samples.
+gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, bool all_samples = false);
+// Fills it for sample group `group`, whose layers follow those of the groups before when it has all samples; pass
+// "gbuffer".
 void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, gpu::Image& gbuffer,
                     std::uint32_t group);
 
-// RGBA32F sum over samples; rgb resolvable values, a lighting executions.
+// RGBA32F sum over samples; rgb resolvable values, a lighting executions. Also usable as a storage image.
 gpu::Image& sum_image(gpu::PassRecorder& recorder, const FrameSetup& setup);
 // A full-screen pass that reads the scene's lights. Bindings beyond those are the caller's.
 gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::string fragment);
 // Shades every covered sample of the group into `sum`; pass "shade".
 void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
                            gpu::Image& gbuffer, gpu::Image& sum, std::uint32_t group);
+// R32_UINT, a value for each pixel.
+gpu::Image& map_image(gpu::PassRecorder& recorder, const FrameSetup& setup, std::string name);
+
+// A list of pixels that compute passes work through (shaders/deferred/pixel_list.glsl).
+struct PixelList {
+  gpu::Buffer* pixels = nullptr;
+  gpu::Buffer* groups = nullptr;  // of 64 invocations: the pass's `indirect`
+};
+// Lists the pixels whose value in `flags` (R32_UINT) is not 0; passes "compact". Throws DeviceError, when the passes
+// run, if the device's total is not that of its parts.
+PixelList record_pixel_list(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& flags);
+
 // `sum` / samples into the frame's outputs; pass "resolve".
 void record_resolve(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& sum);
 

@@ -5,10 +5,12 @@
 
 namespace subpixel::replay {
 
-extern const Technique kNoaa, kMsaa, kStreaming;
+extern const Technique kNoaa, kFxaa, kForward, kMsaa, kSimpleComplex, kStreaming;
 
 std::span<const Technique* const> techniques() {
-  static constexpr const Technique* kAll[] = {&kNoaa, &kMsaa, &kStreaming};
+  static constexpr const Technique* kAll[] = {
+      &kNoaa, &kFxaa, &kForward, &kMsaa, &kSimpleComplex, &kStreaming,
+  };
   return kAll;
 }
 
@@ -25,10 +27,14 @@ namespace {
 
 const char* kind_name(ParameterKind kind) {
   switch (kind) {
-    case ParameterKind::integer: return "integer";
-    case ParameterKind::number: return "number";
-    case ParameterKind::choice: return "choice";
-    case ParameterKind::boolean: return "boolean";
+    case ParameterKind::integer:
+      return "integer";
+    case ParameterKind::number:
+      return "number";
+    case ParameterKind::choice:
+      return "choice";
+    case ParameterKind::boolean:
+      return "boolean";
   }
   return "";
 }
@@ -40,7 +46,11 @@ nlohmann::json registry_json() {
   for (const Technique* technique : techniques()) {
     nlohmann::json parameters = nlohmann::json::array();
     for (const Parameter& p : technique->parameters) {
-      nlohmann::json one{{"name", p.name}, {"kind", kind_name(p.kind)}, {"doc", p.doc}, {"unit", p.unit}, {"default", p.default_value}};
+      nlohmann::json one{{"name", p.name},
+                         {"kind", kind_name(p.kind)},
+                         {"doc", p.doc},
+                         {"unit", p.unit},
+                         {"default", p.default_value}};
       if (p.kind == ParameterKind::integer || p.kind == ParameterKind::number) {
         one["minimum"] = p.minimum;
         one["maximum"] = p.maximum;
@@ -52,8 +62,11 @@ nlohmann::json registry_json() {
     nlohmann::json maps = nlohmann::json::array();
     for (const MapDescription& map : technique->maps)
       maps.push_back({{"name", map.name}, {"title", map.title}, {"unit", map.unit}, {"maximum", map.maximum}});
-    list.push_back({{"name", technique->name}, {"title", technique->title}, {"paper", technique->paper},
-                    {"parameters", parameters}, {"maps", maps}});
+    list.push_back({{"name", technique->name},
+                    {"title", technique->title},
+                    {"paper", technique->paper},
+                    {"parameters", parameters},
+                    {"maps", maps}});
   }
   return list;
 }

@@ -36,11 +36,11 @@ layout(location = 7) out uvec4 out7;
 #endif
 
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  ivec2 pixel = pixel_of(gl_FragCoord.xy);
   uint own = fragment_triangle();
 #if GROUP == 1
   if (visible_sample(pixel).y != own) discard;
-  out0 = pack_surface(fragment_surface(pixel, vec2(0.0)));
+  out0 = with_material(pack_surface(fragment_surface(pixel, vec2(0.0))), push.material);
 #else
   bvec4 low = equal(visible_triangles(pixel, SAMPLES, SAMPLE_GROUP * GROUP / 4u), uvec4(own));
 #if GROUP > 4
@@ -50,6 +50,7 @@ void main() {
   if (!any(low)) discard;
 #endif
   uvec4 packed = pack_surface(fragment_surface(pixel, shading_offset(fragment_edges(pixel), SAMPLES)));
+  packed = with_material(packed, push.material);
   out0 = low.x ? packed : subpassLoad(in0);
   out1 = low.y ? packed : subpassLoad(in1);
   out2 = low.z ? packed : subpassLoad(in2);

@@ -1,0 +1,128 @@
+// Deferred MSAA that shades pixels whose samples agree once and the others per sample. Lauritzen 2010, "Deferred
+// rendering for current and future rendering pipelines", the baseline of the streaming and the aggregate papers. All n
+// samples of the G-buffer are kept, since pixels are classified before any is shaded. Complex pixels are gathered in a
+// list, so that the lanes of a group all have n samples to shade.
+#include "replay/frontend/visibility.hpp"
+#include "replay/techniques/deferred.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+MemoryLayout layout(const FrameSetup& setup) {
+  const double n = setup.samples;
+  MemoryLayout memory;
+  // Streaming paper, table 1: 20-byte samples and a multi-sampled lighting buffer: 192 bytes a pixel at 8x, 96 at 4x.
+  memory.paper = {{"depth", 32 * n}, {"G-buffer samples", 128 * n}, {"lighting buffer", 32 * n}};
+  // Complex pixels are summed up as they are shaded, which leaves one value a pixel, and the flag.
+  memory.fitted = {{"depth", 32 * n},
+                   {"G-buffer samples", fitted_surface_bits(setup.scene.features()) * n},
+                   {"lighting buffer", 32},
+                   {"complex flag", 1}};
+  return memory;
+}
+
+gpu::Image& record_classification(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
+                                  gpu::Image& gbuffer) {
+  gpu::Image& flags = map_image(recorder, setup, "complex");
+  setup.outputs.maps.emplace_back("complex", &flags);
+  gpu::RasterPass pass = lighting_pass(setup, "classify", "techniques/simple_complex/classify.frag");
+  pass.pipeline.targets.colours = {flags.description().format};
+  pass.pipeline.targets.clear = true;
+  pass.colours = {{flags}};
+  pass.clear_colours = {{}};
+  pass.bindings.push_back(gpu::samples(0, visibility));
+  pass.bindings.push_back(gpu::samples(1, gbuffer));
+  pass.by_address = {&setup.frontend.records()};
+  struct {
+    std::uint64_t records;
+    float depth_scale, least_cosine;
+  } const push{setup.frontend.records().address(), static_cast<float>(setup.number("depth_threshold")),
+               static_cast<float>(setup.number("normal_threshold"))};
+  pass.push = gpu::PushConstants(push);
+  recorder.raster(std::move(pass));
+  return flags;
+}
+
+void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  setup.frontend.record_setup(recorder);
+  gpu::Image& visibility = record_visibility(recorder, setup);
+  gpu::Image& gbuffer = gbuffer_image(recorder, setup, true);
+  for (std::uint32_t group = 0; group < setup.samples / gbuffer_group(setup.samples); ++group)
+    record_gbuffer(recorder, setup, visibility, gbuffer, group);
+  gpu::Image& flags = record_classification(recorder, setup, visibility, gbuffer);
+  gpu::Image& sum = sum_image(recorder, setup);
+  const bool compact = setup.parameters.at("compact").get<bool>();
+
+  gpu::RasterPass simple = lighting_pass(
+      setup, "shade simple",
+      compact ? "techniques/simple_complex/simple.frag:SIMPLE" : "techniques/simple_complex/simple.frag:BOTH");
+  simple.pipeline.targets.colours = {sum.description().format};
+  simple.pipeline.targets.clear = true;
+  simple.colours = {{sum}};
+  simple.clear_colours = {{}};
+  simple.bindings.push_back(gpu::samples(0, visibility));
+  simple.bindings.push_back(gpu::samples(1, gbuffer));
+  simple.bindings.push_back(gpu::samples(2, flags));
+  const std::vector<gpu::Binding> lights = lighting_pass(setup, "", "").bindings;
+  const gpu::Constants constants = simple.pipeline.constants;
+  recorder.raster(std::move(simple));
+
+  if (compact) {
+    const PixelList list = record_pixel_list(recorder, setup, flags);
+    gpu::ComputePass complex;
+    complex.name = "shade complex";
+    complex.shader = "techniques/simple_complex/complex.comp";
+    complex.constants = constants;
+    complex.bindings = lights;
+    complex.bindings.insert(complex.bindings.end(), {gpu::samples(0, visibility), gpu::samples(1, gbuffer),
+                                                     gpu::reads(0, *list.pixels), gpu::image_writes(0, sum)});
+    complex.indirect = list.groups;
+    recorder.compute(std::move(complex));
+  }
+  record_resolve(recorder, setup, sum);
+}
+
+Parameters parameters() {
+  Parameter depth_threshold;
+  depth_threshold.name = "depth_threshold";
+  depth_threshold.kind = ParameterKind::number;
+  depth_threshold.doc = "depths agree within this many times |dz/dx| + |dz/dy| of sample 0";
+  depth_threshold.minimum = 0;
+  depth_threshold.maximum = 1000;
+  depth_threshold.default_value = 1.0;
+  Parameter normal_threshold;
+  normal_threshold.name = "normal_threshold";
+  normal_threshold.kind = ParameterKind::number;
+  normal_threshold.doc = "normals agree when the cosine between them is not below this";
+  normal_threshold.minimum = -1;
+  normal_threshold.maximum = 1;
+  normal_threshold.default_value = 0.99;
+  Parameter compact;
+  compact.name = "compact";
+  compact.kind = ParameterKind::boolean;
+  compact.doc =
+      "complex pixels are gathered in a list and shaded in a pass of their own; the image is the same without";
+  compact.default_value = true;
+  return {samples_parameter({4, 8, 16, 32}, 8),
+          depth_threshold,
+          normal_threshold,
+          compact,
+          alpha_parameter(),
+          resolve_parameter(),
+          shading_parameter()};
+}
+
+}  // namespace
+
+extern const Technique kSimpleComplex;
+
+const Technique kSimpleComplex{
+    "simple_complex",
+    "Deferred MSAA, pixels whose samples agree shaded once",
+    "Lauritzen: Deferred rendering for current and future rendering pipelines. SIGGRAPH 2010 course",
+    parameters(),
+    {{"complex", "Complex pixels", "shaded per sample", 1}},
+    layout,
+    record};
+
+}  // namespace subpixel::replay

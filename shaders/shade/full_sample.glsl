@@ -1,0 +1,37 @@
+// The value of one sample of a G-buffer of full samples, lit or sky.
+// Reads: visibility (slot 0), G-buffer (slot 1, one layer for each sample it holds), shadow map. Needs lights.glsl's frame.
+#ifndef SUBPIXEL_FULL_SAMPLE_GLSL
+#define SUBPIXEL_FULL_SAMPLE_GLSL
+
+#include "include/lights.glsl"
+#include "include/packing.glsl"
+#include "include/visibility.glsl"
+#include "include/resolve.glsl"
+#include "frontend/sample_patterns.h"
+
+layout(constant_id = 0) const uint SAMPLES = 8u;
+layout(set = 0, binding = 13) uniform usampler2DArray gbuffer;
+
+// rgb the resolvable value, a the lighting executions, 1 or 0; `layer` of the G-buffer holds sample s.
+vec4 full_sample_value(ivec2 pixel, uint s, uint layer) {
+  uint depth, triangle;
+  if (SAMPLES == 1u) {
+    uvec2 one = visible_sample(pixel);
+    depth = one.x;
+    triangle = one.y;
+  } else {
+    depth = visible_depths(pixel, SAMPLES, s / 4u)[s & 3u];
+    triangle = visible_triangles(pixel, SAMPLES, s / 4u)[s & 3u];
+  }
+  // A loop, so that groups of pixels that show the sky alone skip the lighting.
+  vec4 value = vec4(resolvable(frame.sky.rgb), 0.0);
+  for (bool covered = triangle != SUBPIXEL_NO_TRIANGLE; covered; covered = false) {
+    vec2 position = vec2(pixel) + 0.5 + vec2(sample_offset(SAMPLES, s)) * (1.0 / 128.0);
+    Surface surface = unpack_surface(texelFetch(gbuffer, ivec3(pixel, layer), 0));
+    surface.position = world_position(position, uintBitsToFloat(depth));
+    value = vec4(resolvable(shade(surface, normalize(frame.eye.xyz - surface.position))), 1.0);
+  }
+  return value;
+}
+
+#endif

@@ -1,0 +1,33 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// Tells the pixels whose samples agree from those that need shading per sample.
+// Reads: visibility (slot 0), G-buffer of full samples (slot 1), triangle records.
+// Writes: 1 for a complex pixel, else 0.
+#include "include/packing.glsl"
+#include "include/visibility.glsl"
+
+layout(constant_id = 0) const uint SAMPLES = 8u;
+layout(set = 0, binding = 13) uniform usampler2DArray gbuffer;
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
+layout(push_constant, scalar) uniform Push {
+  Records records;
+  float depth_scale;
+  float least_cosine;
+} push;
+layout(location = 0) out uint out_complex;
+
+#include "techniques/simple_complex/classification.glsl"
+
+uvec4 quad_triangles(uint quad) { return visible_triangles(ivec2(gl_FragCoord.xy), SAMPLES, quad); }
+vec4 quad_depths(uint quad) { return uintBitsToFloat(visible_depths(ivec2(gl_FragCoord.xy), SAMPLES, quad)); }
+
+ClassifiedSurface sample_surface(uint s) {
+  uvec4 packed = texelFetch(gbuffer, ivec3(gl_FragCoord.xy, s), 0);
+  return ClassifiedSurface(unpack_normal(packed.y), packed_material(packed));
+}
+
+vec2 triangle_slopes(uint triangle) { return uintBitsToFloat(push.records.record[triangle].depth.yz); }
+
+void main() { out_complex = pixel_is_complex(push.depth_scale, push.least_cosine) ? 1u : 0u; }

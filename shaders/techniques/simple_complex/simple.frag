@@ -1,0 +1,25 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// variants: SIMPLE= BOTH=-DWITH_COMPLEX
+// Shades the pixels whose samples agree by their sample 0; BOTH: the complex ones too, sample by sample.
+// Reads: visibility (slot 0), G-buffer of full samples (slot 1), complex flags (slot 2), shadow map.
+// Writes: rgb the sum of the samples' resolvable values, a the lighting executions; nothing for what is not its own.
+#include "shade/full_sample.glsl"
+
+layout(set = 0, binding = 14) uniform usampler2D complex_flags;
+layout(location = 0) out vec4 out_sum;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  bool complex = texelFetch(complex_flags, pixel, 0).x != 0u;
+  vec4 sum = vec4(0.0);
+  for (bool simple = !complex; simple; simple = false) {
+    vec4 value = full_sample_value(pixel, 0u, 0u);
+    sum = vec4(value.rgb * float(SAMPLES), value.a);
+  }
+#ifdef WITH_COMPLEX
+  for (bool each = complex; each; each = false)
+    for (uint s = 0u; s < SAMPLES; ++s) sum += full_sample_value(pixel, s, s);
+#endif
+  out_sum = sum;
+}

@@ -1,0 +1,135 @@
+// A technique run on one frame of a capture, and what all techniques have to hold to.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <glm/glm.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "capture_format/capture.hpp"
+#include "capture_format/error.hpp"
+#include "capture_format/generate/generate.hpp"
+#include "replay/techniques/frame_setup.hpp"
+#include "tests/technique/scene_device_fixture.hpp"
+#include "tests/unit/scene_fixture.hpp"
+
+namespace subpixel::replay {
+
+template <typename T>
+std::vector<T> texels_of(gpu::Device& device, gpu::Image& image) {
+  const auto bytes = gpu::download(device, image);
+  std::vector<T> texels(bytes.size() / sizeof(T));
+  std::memcpy(texels.data(), bytes.data(), bytes.size());
+  return texels;
+}
+
+struct TechniqueRun {
+  std::vector<glm::vec4> radiance, display;  // radiance.w: lighting executions
+  std::map<std::string, std::vector<std::uint32_t>> maps;
+  double paper_bytes_per_pixel = 0, fitted_bytes_per_pixel = 0;
+
+  double executions() const {
+    double sum = 0;
+    for (const auto& pixel : radiance) sum += static_cast<double>(pixel.w);
+    return sum;
+  }
+  bool operator==(const TechniqueRun& other) const {
+    const auto same = [](const auto& a, const auto& b) {
+      return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+    };
+    return same(radiance, other.radiance) && same(display, other.display) && maps == other.maps;
+  }
+};
+
+inline TechniqueRun run_technique(const capture::Capture& capture, std::string_view name, const ParameterValues& given,
+                                  std::uint32_t width, std::uint32_t height, gpu::Device& device = test_device()) {
+  const Technique& technique = find_technique(name);
+  const ParameterValues parameters = check_parameters(name, technique.parameters, given);
+  const auto samples = parameters.at("samples").get<std::uint32_t>();
+  GpuScene scene(device, capture, {});
+  scene.set_frame(0, width, height);
+  Frontend frontend(device, scene);
+  frontend.prepare(samples);
+  FrameOutputs outputs;
+  FrameSetup setup{scene, frontend, width, height, samples, parameters, outputs};
+  gpu::PassRecorder recorder(device);
+  technique.record(recorder, setup);
+  recorder.run();
+  TechniqueRun run;
+  run.radiance = texels_of<glm::vec4>(device, *outputs.radiance);
+  run.display = texels_of<glm::vec4>(device, *outputs.display);
+  for (const auto& [map, image] : outputs.maps) run.maps[map] = texels_of<std::uint32_t>(device, *image);
+  const MemoryLayout layout = technique.layout(setup);
+  for (const auto& entry : layout.paper) run.paper_bytes_per_pixel += entry.bits_per_pixel / 8;
+  for (const auto& entry : layout.fitted) run.fitted_bytes_per_pixel += entry.bits_per_pixel / 8;
+  return run;
+}
+
+// A field of grass small enough for a test.
+inline capture::Capture little_grass() {
+  return capture::generate("grass", {1, 61, 37, 1, 0.01});
+}
+
+inline double mean_squared_difference(const TechniqueRun& a, const TechniqueRun& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.display.size(); ++i)
+    for (int c = 0; c < 3; ++c) sum += std::pow(static_cast<double>(a.display[i][c] - b.display[i][c]), 2.0);
+  return sum / static_cast<double>(3 * a.display.size());
+}
+
+inline void expect_valid(const TechniqueRun& run, std::uint32_t most_executions) {
+  for (std::size_t i = 0; i < run.radiance.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      ASSERT_TRUE(std::isfinite(run.radiance[i][c]) && run.radiance[i][c] >= 0) << "radiance of pixel " << i;
+      ASSERT_TRUE(run.display[i][c] >= 0 && run.display[i][c] <= 1) << "display value of pixel " << i;
+    }
+    ASSERT_EQ(run.radiance[i].w, std::floor(run.radiance[i].w)) << "pixel " << i;
+    ASSERT_LE(run.radiance[i].w, static_cast<float>(most_executions)) << "pixel " << i;
+  }
+}
+
+// Empty frames and frames whose geometry is all out of view show the sky, unlit and everywhere the same.
+inline void expect_plain_sky(std::string_view technique, const ParameterValues& given) {
+  capture::Capture empty = flat_capture(19, 13);
+  empty.frames[0].sky = {0.2f, 0.4f, 0.8f};
+  capture::Capture out_of_view = empty;
+  add_triangles(out_of_view, rectangle(5, 5, 6, 6, 0), add_emitter(out_of_view, {1, 1, 1}));
+  for (const capture::Capture& capture : {empty, out_of_view}) {
+    const TechniqueRun run = run_technique(capture, technique, given, 19, 13);
+    EXPECT_EQ(run.executions(), 0);
+    for (const auto& pixel : run.radiance)
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(pixel[c], empty.frames[0].sky[static_cast<std::size_t>(c)], 1e-5f);
+    for (const auto& pixel : run.display) ASSERT_EQ(pixel, run.display[0]);
+    for (const auto& [name, values] : run.maps)
+      for (const auto value : values) ASSERT_EQ(value, 0u) << name;
+  }
+}
+
+// The same bits from any number of threads, and from run to run.
+inline void expect_same_on_all_threads(std::string_view technique, const ParameterValues& given) {
+  const capture::Capture capture = little_grass();
+  const char* const before = std::getenv("LP_NUM_THREADS");
+  const std::string restored = before ? before : "";
+  const TechniqueRun expected = run_technique(capture, technique, given, 61, 37);
+  for (const char* threads : {"1", "2", "8"}) {
+    setenv("LP_NUM_THREADS", threads, 1);
+    gpu::Device device;
+    EXPECT_TRUE(expected == run_technique(capture, technique, given, 61, 37, device)) << threads << " threads";
+  }
+  if (before)
+    setenv("LP_NUM_THREADS", restored.c_str(), 1);
+  else
+    unsetenv("LP_NUM_THREADS");
+}
+
+inline void expect_refused(std::string_view technique, const ParameterValues& given) {
+  EXPECT_THROW(check_parameters(technique, find_technique(technique).parameters, given), UsageError)
+      << nlohmann::json(given).dump();
+}
+
+}  // namespace subpixel::replay
