@@ -20,7 +20,7 @@ capture=demo/park.spcap
 results=demo/results/results.json
 # A size and a reference that two cores finish in minutes; the table's head states both.
 size=1280x720
-options=(--techniques "noaa,msaa" --samples 8 --reference-samples 64)
+options=(--techniques "noaa,streaming,msaa" --samples 8 --reference-samples 64)
 
 step() { printf '\n== %s\n' "$*"; }
 
