@@ -74,7 +74,7 @@ void Api::route(HttpServer& http) {
        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
   });
-  http.set_exception_handler([](const Request&, Response& response, std::exception_ptr exception) {
+  http.set_exception_handler([](const Request&, Response& response, const std::exception_ptr& exception) {
     write_error(response, http_error_from(exception));
   });
   // Before any body is read: what is refused here costs no more than its header.
