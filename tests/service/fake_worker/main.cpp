@@ -166,9 +166,10 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
     for (std::size_t i = 0; i < error.size(); ++i) {
       error[i] = static_cast<std::uint8_t>(std::min(255, 4 * std::abs(int{image[i]} - int{reference[i]})));
     }
-    // One file for all results of the frame, written with the first, as the real worker does.
+    // One file for all results of the frame, written with the first of them, as the real worker does.
     result.images["reference"] = "f" + std::to_string(frame) + "-reference.png";
-    if (index == 0) tests::write_png(job.out_dir / result.images["reference"], width, height, reference);
+    const std::filesystem::path shared = job.out_dir / result.images["reference"];
+    if (!std::filesystem::exists(shared)) tests::write_png(shared, width, height, reference);
     write("error", error);
   }
   write("shading", std::vector<std::uint8_t>(image.rbegin(), image.rend()));
