@@ -33,7 +33,7 @@ void main() {
     for (; passes; passes = false) {
       StreamSurface fragment;
       fragment.depth = given.depth.x;
-      fragment.slopes = packHalf2x16(given.depth.yz);
+      fragment.slopes = stream_pack_slopes(given.depth.yz);
       fragment.coverage = given.words.x;
       fragment.resolved = given.words.x;
       fragment.albedo = given.words.y;

@@ -30,6 +30,19 @@ struct StreamSurface {
   uint emission;    // shared exponent
 };
 
+// Slopes as half2, rounded to nearest even here: packHalf2x16() may round either way, and compilers take its rounding for
+// superfluous where an unpackHalf2x16() follows. 11 bits remain by Dekker's splitting (1971); below 2^-14, where halves are
+// multiples of 2^-24, by adding what has that unit in the last place.
+uint stream_pack_slopes(vec2 slope) {
+  vec2 v = clamp(slope, -65504.0, 65504.0);
+  precise vec2 shifted = v * 8193.0;
+  precise vec2 excess = shifted - v;
+  precise vec2 rounded = shifted - excess;
+  precise vec2 raised = v + 0.75;
+  precise vec2 small = raised - 0.75;
+  return packHalf2x16(mix(rounded, small, lessThan(abs(v), vec2(0.00006103515625))));
+}
+
 // The depths that the surface may have in the pixel, nearest and farthest (section 3.1).
 vec2 stream_interval(float depth, uint slopes) {
   vec2 slope = abs(unpackHalf2x16(slopes));
@@ -83,7 +96,7 @@ StreamSurface stream_merged(StreamSurface a, StreamSurface b) {
   StreamSurface merged;
   merged.depth = min(a.depth, b.depth);
   precise vec2 slopes = unpackHalf2x16(a.slopes) * weight_a + unpackHalf2x16(b.slopes) * weight_b;
-  merged.slopes = packHalf2x16(slopes);
+  merged.slopes = stream_pack_slopes(slopes);
   merged.coverage = a.coverage | b.coverage;
   merged.resolved = a.resolved | b.resolved;
   merged.albedo = stream_blend_albedo(a.albedo, b.albedo, weight_a, weight_b);

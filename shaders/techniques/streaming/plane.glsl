@@ -5,8 +5,6 @@
 #ifndef SUBPIXEL_STREAMING_PLANE_GLSL
 #define SUBPIXEL_STREAMING_PLANE_GLSL
 
-const float kLargestHalf = 65504.0;
-
 // 1 / distance is linear in window position and depth: the last row of the clip-to-world matrix, by (x, y, z, 1).
 vec4 inverse_distance_row() {
   mat4 m = frame.inverse_view_projection;
@@ -26,7 +24,7 @@ void stream_plane(DepthPlane plane, ivec2 pixel, vec2 offset, out float depth, o
   precise vec2 slope = (row.z * vec2(plane.dx, plane.dy) + row.xy * ndc_per_pixel) * (-distance * distance);
   bool by_distance = keeps_distance(row);
   slope = by_distance ? slope : -vec2(plane.dx, plane.dy);
-  slopes = packHalf2x16(clamp(slope, -kLargestHalf, kLargestHalf));
+  slopes = stream_pack_slopes(slope);
   precise vec2 rounded = unpackHalf2x16(slopes) * offset;
   depth = (by_distance ? distance : -z) - (rounded.x + rounded.y);
 }
