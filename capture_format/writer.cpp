@@ -231,13 +231,21 @@ void require_valid(const Capture& capture) {
   throw InputError("can't write the capture", std::generic_category().message(error), path.string());
 }
 
-// Removes the temporary file unless it was renamed.
+// Removes the temporary file unless it was renamed. A device or a pipe is written in place: renaming would put a file
+// where it was.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const std::filesystem::path& target)
-      : target_(target), path_(target.string() + "." + std::to_string(std::random_device{}()) + ".tmp") {
-    // O_EXCL: two writers of one capture must never share a file.
-    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  explicit TemporaryFile(const std::filesystem::path& target) : target_(target) {
+    std::error_code ignored;
+    const auto status = std::filesystem::status(target, ignored);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+      descriptor_ = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
+    } else {
+      path_ = target.string() + "." + std::to_string(std::random_device{}()) + ".tmp";
+      // O_EXCL: two writers of one capture must never share a file.
+      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (descriptor_ < 0) path_.clear();
+    }
     if (descriptor_ < 0) fail_writing(target_, errno);
   }
   TemporaryFile(const TemporaryFile&) = delete;
@@ -257,11 +265,11 @@ class TemporaryFile {
   }
 
   void rename_to_target() {
-    if (::fsync(descriptor_) != 0) fail_writing(target_, errno);
+    if (!path_.empty() && ::fsync(descriptor_) != 0) fail_writing(target_, errno);
     const int closed = ::close(descriptor_);
     descriptor_ = -1;
     if (closed != 0) fail_writing(target_, errno);
-    if (::rename(path_.c_str(), target_.c_str()) != 0) fail_writing(target_, errno);
+    if (!path_.empty() && ::rename(path_.c_str(), target_.c_str()) != 0) fail_writing(target_, errno);
     path_.clear();
   }
 

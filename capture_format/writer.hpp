@@ -18,8 +18,9 @@ struct EncodeOptions {
 // checks.hpp or passes a limit of limits.hpp: what is written can always be read.
 std::vector<std::byte> encode_capture(const Capture& capture, const EncodeOptions& options = {});
 
-// Writes the file whole or not at all: into a temporary file beside it, synced, then renamed over `path`. Throws
-// InputError when the capture is wrong or the file can't be written (no folder, no space, ...).
+// Writes the file whole or not at all: into a temporary file beside it, synced, then renamed over `path`. A device or a
+// pipe at `path` is written to. Throws InputError when the capture is wrong or the file can't be written (no folder, no
+// space, ...).
 void write_capture(const Capture& capture, const std::filesystem::path& path, const EncodeOptions& options = {});
 
 }  // namespace subpixel::capture

@@ -19,11 +19,20 @@ namespace {
   throw InputError("file", "cannot write: " + std::generic_category().message(error), path.string());
 }
 
-// The temporary file: removed unless it was renamed to its final name.
+// The temporary file: removed unless it was renamed to its final name. A device or a pipe is written in place: renaming
+// would put a file where it was.
 class Temporary {
  public:
-  explicit Temporary(const std::filesystem::path& target) : target_(target), name_(target.string() + ".XXXXXX") {
-    descriptor_ = mkostemp(name_.data(), O_CLOEXEC);
+  explicit Temporary(const std::filesystem::path& target) : target_(target) {
+    std::error_code ignored;
+    const auto status = std::filesystem::status(target, ignored);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+      descriptor_ = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
+    } else {
+      name_ = target.string() + ".XXXXXX";
+      descriptor_ = mkostemp(name_.data(), O_CLOEXEC);
+      if (descriptor_ < 0) name_.clear();
+    }
     if (descriptor_ < 0) fail(target_, errno);
   }
   Temporary(const Temporary&) = delete;
@@ -44,11 +53,11 @@ class Temporary {
 
   void commit() {
     // mkostemp gives 0600; the files are for everyone the umask allows, and 0644 is what they would have been.
-    if (::fchmod(descriptor_, 0644) != 0) fail(target_, errno);
+    if (!name_.empty() && ::fchmod(descriptor_, 0644) != 0) fail(target_, errno);
     const int closed = ::close(descriptor_);
     descriptor_ = -1;
     if (closed != 0) fail(target_, errno);  // some file systems report a full disk only here
-    if (std::rename(name_.c_str(), target_.c_str()) != 0) fail(target_, errno);
+    if (!name_.empty() && std::rename(name_.c_str(), target_.c_str()) != 0) fail(target_, errno);
     name_.clear();
   }
 

@@ -1,5 +1,6 @@
 #include "replay/measure/image.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -152,6 +153,18 @@ TEST_F(ImageFiles, AtomicWriteSaysWhyItFailed) {
   }
   if (!fs::exists("/dev/full")) return;
   EXPECT_THROW(write_file_atomically("/dev/full/below", std::string_view("y")), InputError);
+}
+
+TEST_F(ImageFiles, AtomicWriteLeavesADeviceOrAPipeWhatItIs) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  write_file_atomically(pipe, std::string_view("through"));
+  char text[16] = {};
+  EXPECT_EQ(::read(reader, text, sizeof text), 7);
+  ::close(reader);
+  EXPECT_STREQ(text, "through");
+  EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
 }  // namespace
