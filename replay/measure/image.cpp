@@ -104,6 +104,7 @@ std::vector<std::uint8_t> encode_exr(const Image& image, ExrPixel pixel) {
   OIIO::ImageSpec spec = spec_for(image, pixel == ExrPixel::half_float ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
   spec.attribute("oiio:ColorSpace", image.encoding == Encoding::linear ? "Linear" : "sRGB");
   spec.attribute("compression", "zip");
+  spec.attribute("DateTime", "");  // else the time of writing: the same image must give the same bytes
   return encode("exr", spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
 }
 

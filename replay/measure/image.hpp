@@ -51,6 +51,7 @@ Image read_image(const std::filesystem::path& path);
 std::vector<std::uint8_t> encode_png(const Image& image);
 
 enum class ExrPixel { half_float, full_float };
+// OpenEXR, zip-compressed, without a date: the same image gives the same bytes.
 std::vector<std::uint8_t> encode_exr(const Image& image, ExrPixel pixel = ExrPixel::half_float);
 
 }  // namespace subpixel::replay
