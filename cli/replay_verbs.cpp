@@ -190,8 +190,11 @@ void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
       ->capture_default_str();
   run->add_option("--frames", flags->frames, "FIRST-LAST, from 0; all when absent");
   run->add_option("--size", flags->size, "WIDTHxHEIGHT; as recorded when absent");
-  run->add_option("--repeat", flags->repeat, "Timed runs of every frame; medians are reported")->capture_default_str();
+  run->add_option("--repeat", flags->repeat, "Timed runs of every frame; medians are reported")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   run->add_option("--reference-samples", flags->reference_samples, "Visibility samples of the reference; 0: none")
+      ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   run->add_option("--lights", flags->point_lights, "Point lights: this many; as recorded when absent")
       ->check(CLI::Range(0, 256));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstring>
 #include <map>
@@ -38,7 +39,15 @@ struct PlannedTechnique {
   std::uint32_t samples = 1;
 };
 
+constexpr std::array<std::uint32_t, 6> kSampleCounts{1, 4, 8, 16, 32, 64};
+
 std::vector<PlannedTechnique> plan(const ReplayOptions& options) {
+  if (std::find(kSampleCounts.begin(), kSampleCounts.end(), options.samples) == kSampleCounts.end())
+    throw UsageError("samples", fmt::format("{} is not one of {}", options.samples, fmt::join(kSampleCounts, ", ")),
+                     "--samples");
+  if (options.repeat < 1 || options.repeat > 1000)
+    throw UsageError("repeat", fmt::format("{} is not within 1-1000", options.repeat), "--repeat");
+  if (options.reference_samples != 0) require_reference_samples(options.reference_samples);
   if (options.techniques.empty()) throw UsageError("techniques", "none was given", "--techniques");
   std::vector<PlannedTechnique> planned;
   for (const TechniqueRequest& request : options.techniques) {
@@ -172,10 +181,12 @@ bool Replay::skipped(std::uint32_t frame, std::size_t which) const {
 
 Results Replay::run() {
   const auto start = Clock::now();
-  if (options_.repeat < 1 || options_.repeat > 1000)
-    throw UsageError("repeat", fmt::format("{} is not within 1-1000", options_.repeat), "--repeat");
   const auto [first, last] = frame_range(options_, capture_.frames.size());
   make_head();
+  // Before the work that would be lost.
+  std::error_code error;
+  std::filesystem::create_directories(job_.out_dir, error);
+  if (error) throw InputError("output folder", "can't be made: " + error.message(), job_.out_dir.string());
   progress("load", 0, 1, capture_.metadata.title);
   gpu::require_ordered_access(device_);
   scene_ = std::make_unique<GpuScene>(device_, capture_, SceneOptions{options_.point_lights, 2048});

@@ -178,10 +178,13 @@ void Device::create_instance(const DeviceOptions& options) {
 
 void Device::choose_physical(const DeviceOptions& options) {
   std::uint32_t count = 0;
-  check(vkEnumeratePhysicalDevices(instance_, &count, nullptr), "vkEnumeratePhysicalDevices");
+  const VkResult found = vkEnumeratePhysicalDevices(instance_, &count, nullptr);
+  if (found == VK_ERROR_INITIALIZATION_FAILED || (found == VK_SUCCESS && count == 0))
+    throw DeviceError("device", "none of the installed Vulkan drivers has a device (lavapipe: mesa-vulkan-drivers)",
+                      "vkEnumeratePhysicalDevices");
+  check(found, "vkEnumeratePhysicalDevices");
   std::vector<VkPhysicalDevice> devices(count);
   check(vkEnumeratePhysicalDevices(instance_, &count, devices.data()), "vkEnumeratePhysicalDevices");
-  if (devices.empty()) throw DeviceError("device", "no Vulkan device was found", "vkEnumeratePhysicalDevices");
   std::string refused;
   for (VkPhysicalDevice device : devices) {
     if (!options.any_device && !is_lavapipe(device)) {

@@ -93,12 +93,16 @@ gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scen
 
 }  // namespace
 
+void require_reference_samples(std::uint32_t samples) {
+  if (samples < 4 || samples > kMostReferenceSamples || samples % 4 != 0)
+    throw UsageError("reference samples",
+                     fmt::format("{} is not a multiple of 4 from 4 to {}", samples, kMostReferenceSamples),
+                     "--reference-samples");
+}
+
 ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
                                 const ReferenceProgress& progress) {
-  if (options.samples < 4 || options.samples > kMostReferenceSamples || options.samples % 4 != 0)
-    throw UsageError("reference samples",
-                     fmt::format("{} is not a multiple of 4 from 4 to {}", options.samples, kMostReferenceSamples),
-                     "samples");
+  require_reference_samples(options.samples);
   const auto width = static_cast<std::uint32_t>(scene.constants().viewport.x);
   const auto height = static_cast<std::uint32_t>(scene.constants().viewport.y);
   const std::uint64_t pixels = std::uint64_t{width} * height;

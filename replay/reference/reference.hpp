@@ -22,6 +22,9 @@ struct ReferenceImage {
   Image display;  // 3 channels, [0, 1]
 };
 
+// Throws UsageError unless `samples` is a count that ReferenceOptions allows.
+void require_reference_samples(std::uint32_t samples);
+
 // Called after each turn with turns done and turns in all (samples / 4). May throw to stop.
 using ReferenceProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
 

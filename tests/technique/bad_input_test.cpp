@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "capture_format/reader.hpp"
+#include "capture_format/writer.hpp"
 #include "tests/technique/run_binary.hpp"
 
 namespace subpixel::tests {
@@ -43,6 +45,8 @@ TEST_F(BadInput, UnknownTechniqueNamesTheValidOnes) {
 }
 
 TEST_F(BadInput, UnknownParameterNamesTheValidOnes) {
+  expect_error(kReplay + "--techniques msaa:", 2, {"parameter=value"});
+  expect_error(kReplay + "--techniques noaa --repeats 3", 2, {"--repeats"});
   expect_error(kReplay + "--techniques msaa:sample=8", 2, {"msaa", "sample", "samples", "alpha", "resolve"});
 }
 
@@ -52,8 +56,11 @@ TEST_F(BadInput, ValueOutOfRangeNamesTheRange) {
   expect_error(kReplay + "--techniques noaa --frames 0-9", 2, {"0-9", "0-1"});
   expect_error(kReplay + "--techniques noaa --frames 1-0", 2, {"1-0"});
   expect_error(kReplay + "--techniques noaa --size 64", 2, {"64", "WIDTHxHEIGHT"});
-  expect_error("replay cube.spcap --techniques noaa --repeat 0 --out out", 2, {"repeat", "0"});
-  expect_error("replay cube.spcap --techniques noaa --reference-samples 5 --repeat 1 --out out", 2, {"5"});
+  expect_error("replay cube.spcap --techniques noaa --repeat 0 --out out", 2, {"--repeat", "0", "1 to 1000"});
+  expect_error("replay cube.spcap --techniques noaa --repeat -3 --out out", 2, {"--repeat", "-3", "1 to 1000"});
+  expect_error(kReplay + "--techniques msaa --samples 5", 2, {"--samples", "5", "1, 4, 8, 16, 32, 64"});
+  expect_error("replay cube.spcap --techniques noaa --reference-samples 5 --repeat 1 --out out", 2,
+               {"--reference-samples", "5", "4 to 4096"});
   expect_error("replay cube.spcap --techniques noaa --lights 9999 --repeat 1 --out out", 2, {"9999"});
 }
 
@@ -67,6 +74,7 @@ TEST_F(BadInput, NotACapture) {
   write("note.spcap", "this is no capture, but long enough to hold a header and more of that");
   expect_error("replay note.spcap --techniques noaa --out out", 3, {"note.spcap"});
   expect_error("info note.spcap", 3, {"note.spcap"});
+  expect_error("replay . --techniques noaa --out out", 3, {});
   expect_error("replay missing.spcap --techniques noaa --out out", 3, {"missing.spcap"});
 }
 
@@ -80,6 +88,29 @@ TEST_F(BadInput, TruncatedCapture) {
   }
 }
 
+TEST_F(BadInput, ChangedCapture) {
+  std::fstream file(folder_ / "cube.spcap", std::ios::in | std::ios::out | std::ios::binary);
+  const auto middle = static_cast<std::streamoff>(std::filesystem::file_size(folder_ / "cube.spcap") / 2);
+  file.seekg(middle);
+  const int byte = file.get();
+  file.seekp(middle);
+  file.put(static_cast<char>(byte ^ 1));
+  file.close();
+  expect_error("replay cube.spcap --techniques noaa --out out", 3, {"cube.spcap", "byte"});
+}
+
+TEST_F(BadInput, TextureThatIsNoImage) {
+  capture::Capture capture = capture::read_capture(folder_ / "cube.spcap");
+  capture::Texture texture;
+  texture.name = "bark";
+  texture.encoding = capture::TextureEncoding::image_file;
+  texture.bytes.assign(100, std::byte{'x'});
+  capture.textures = {texture};
+  capture.materials.at(0).base_colour_texture = 0;
+  capture::write_capture(capture, folder_ / "bark.spcap");
+  expect_error("replay bark.spcap --techniques noaa --out out", 3, {"bark"});
+}
+
 TEST_F(BadInput, MissingModelAndTexture) {
   expect_error("import chair.obj chair.spcap", 3, {"chair.obj"});
   write("m.mtl", "newmtl a\nmap_Kd missing.png\n");
@@ -90,7 +121,9 @@ TEST_F(BadInput, MissingModelAndTexture) {
 
 TEST_F(BadInput, BrokenJsonNamesLineAndColumn) {
   write("scene.json", "{\n  \"models\": [\n    {,}\n  ]\n}\n");
-  expect_error("import scene.json scene.spcap", 3, {"scene.json", "line 3"});
+  expect_error("import scene.json scene.spcap", 3, {"scene.json", "line 3", "column 6"});
+  write("results.json", "{\"head\":\n}\n");
+  expect_error("advise results.json --max-mse 0.001", 3, {"results.json", "line 2", "column 1"});
 }
 
 TEST_F(BadInput, NoVulkanDriver) {
@@ -113,6 +146,17 @@ TEST_F(BadInput, FullDisk) {
   // A file may hold one block; what goes over fails like a full disk, with SIGXFSZ ignored.
   expect_error("generate grass big.spcap --frames 1", 3, {"big.spcap"}, "", "trap '' XFSZ; ulimit -f 8; ");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "big.spcap"));
+}
+
+TEST_F(BadInput, FullDevice) {
+  if (!std::filesystem::is_character_file("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  expect_error("generate cube /dev/full", 3, {"/dev/full", "No space left"});
+  expect_error(kReplay + "--techniques noaa --json /dev/full", 3, {"/dev/full", "No space left"});
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/full")) << "a file took the device's place";
+}
+
+TEST_F(BadInput, OutputFolderThatCannotBeMade) {
+  expect_error("replay cube.spcap --techniques noaa --out cube.spcap", 3, {"cube.spcap", "Not a directory"});
 }
 
 TEST_F(BadInput, FullDiskWhileReplaying) {
