@@ -78,7 +78,7 @@ int serve(const ServeArguments& arguments) {
   const std::string host = arguments.listen.substr(0, arguments.listen.rfind(':'));
   fmt::print("listening on http://{}:{}\n", host, service.port());
   std::fflush(stdout);
-  std::jthread waiter([&](std::stop_token stop) {
+  std::jthread waiter([&](const std::stop_token& stop) {
     const timespec step{0, 200'000'000};
     while (!stop.stop_requested()) {
       if (::sigtimedwait(&endings, nullptr, &step) > 0) {

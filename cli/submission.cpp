@@ -61,7 +61,7 @@ json run_request(const Submission& submission, const std::string& capture) {
 // The document of a successful answer; other answers are thrown as the service words them.
 json answer(const httplib::Result& result, const std::string& what, const std::string& server) {
   if (!result) throw InputError(what, "no answer: " + httplib::to_string(result.error()), server);
-  const json document = json::parse(result->body, nullptr, false);
+  json document = json::parse(result->body, nullptr, false);
   if (result->status >= 200 && result->status < 300 && !document.is_discarded()) return document;
   const json error = document.is_object() ? document.value("error", json::object()) : json::object();
   const std::string why = error.value("why", fmt::format("it answered with status {}", result->status));

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "capture_format/error.hpp"
 #include "replay/measure/json_fields.hpp"
 #include "server/http_error.hpp"
@@ -45,11 +47,11 @@ CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOpt
   std::string output;
   ChildLimits limits = worker.limits;
   limits.silence = limits.duration = std::min<std::chrono::milliseconds>(limits.silence, std::chrono::minutes(5));
-  const ChildOutcome outcome =
-      run_child({worker.program.string(), "info", file.string(), "--json"}, limits, stop, [&](std::string_view line) {
-        output.append(line) += '\n';
-        return output.size() <= kMaxSummaryBytes;
-      });
+  const ChildOutcome outcome = run_child({worker.program.string(), "info", file.string(), "--json"}, limits,
+                                         std::move(stop), [&](std::string_view line) {
+                                           output.append(line) += '\n';
+                                           return output.size() <= kMaxSummaryBytes;
+                                         });
   if (outcome.kind == ChildOutcome::Kind::stopped)
     throw HttpError(503, "the capture is not stored", "the service is ending", "");
   constexpr int kBadInput = 3;  // the command line's exit code for it

@@ -225,6 +225,7 @@ ChildOutcome run_child(const std::vector<std::string>& arguments, const ChildLim
                        const LineHandler& on_line) {
   ChildOutcome outcome;
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
 

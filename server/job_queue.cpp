@@ -58,7 +58,7 @@ JobQueue::~JobQueue() {
 void JobQueue::start() {
   store_.requeue_running(false);
   for (std::uint32_t i = 0; i < options_.count; ++i) {
-    threads_.emplace_back([this](std::stop_token stop) { work(std::move(stop)); });
+    threads_.emplace_back([this](const std::stop_token& stop) { work(stop); });
   }
 }
 
@@ -85,7 +85,7 @@ void JobQueue::stop() {
   store_.requeue_running(true);
 }
 
-void JobQueue::work(std::stop_token stop) {
+void JobQueue::work(const std::stop_token& stop) {
   std::uint64_t seen = 0;
   while (!stop.stop_requested()) {
     std::optional<RunRecord> run;
@@ -115,7 +115,7 @@ void JobQueue::work(std::stop_token stop) {
   }
 }
 
-void JobQueue::execute(const RunRecord& run, std::stop_token stop) {
+void JobQueue::execute(const RunRecord& run, const std::stop_token& stop) {
   std::stop_token cancelled;
   {
     const std::lock_guard lock(mutex_);
@@ -161,7 +161,7 @@ void JobQueue::execute(const RunRecord& run, std::stop_token stop) {
   finish(run.id, verdict.status, verdict.reason, stop);
 }
 
-void JobQueue::finish(std::int64_t run, RunStatus status, const std::string& reason, std::stop_token stop) {
+void JobQueue::finish(std::int64_t run, RunStatus status, const std::string& reason, const std::stop_token& stop) {
   // On a full disk not even this may be storable. The run must not start again by itself, so wait for room.
   while (true) {
     try {

@@ -41,9 +41,9 @@ class JobQueue {
   void stop();
 
  private:
-  void work(std::stop_token stop);
-  void execute(const RunRecord& run, std::stop_token stop);
-  void finish(std::int64_t run, RunStatus status, const std::string& reason, std::stop_token stop);
+  void work(const std::stop_token& stop);
+  void execute(const RunRecord& run, const std::stop_token& stop);
+  void finish(std::int64_t run, RunStatus status, const std::string& reason, const std::stop_token& stop);
 
   Store& store_;
   const DataFolder& folder_;

@@ -19,6 +19,7 @@
 
 namespace subpixel::server {
 
+// NOLINTNEXTLINE(bugprone-exception-escape): moving JSON is declared noexcept
 struct CaptureRecord {
   std::string hash;
   std::string name;  // as uploaded

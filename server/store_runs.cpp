@@ -75,7 +75,7 @@ std::vector<StoredResult> read_results(Statement& select) {
 // Stores the bytes once. XXH3 is no cryptographic hash: equal hashes of different bytes are refused, not mixed up.
 std::string store_blob(const Connection& connection, const Blob& blob) {
   const std::span<const std::byte> bytes = std::as_bytes(std::span(blob.bytes));
-  const std::string hash = capture::content_hash_hex(bytes);
+  std::string hash = capture::content_hash_hex(bytes);
   Statement same(connection, "SELECT bytes = ? FROM blobs WHERE hash = ?");
   same.bind(bytes).bind(hash);
   if (same.step()) {
