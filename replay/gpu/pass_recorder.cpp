@@ -224,11 +224,21 @@ void PassRecorder::compute(ComputePass pass) {
   steps_.push_back(std::move(step));
 }
 
+namespace {
+
+VkExtent2D extent_of(const RasterPass& pass) {
+  const Image* const first = pass.colours.empty() ? pass.depth : pass.colours.front().image;
+  if (!first) return {pass.size[0], pass.size[1]};
+  return {first->description().width, first->description().height};
+}
+
+}  // namespace
+
 VkFramebuffer PassRecorder::framebuffer(const RasterPass& pass, VkRenderPass render_pass) {
   std::vector<VkImageView> views;
   for (const auto& colour : pass.colours) views.push_back(colour.image->layer_view(colour.layer));
   if (pass.depth) views.push_back(pass.depth->layer_view(0));
-  const auto& size = (pass.colours.empty() ? pass.depth : pass.colours.front().image)->description();
+  const VkExtent2D size = extent_of(pass);
   VkFramebufferCreateInfo create{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
   create.renderPass = render_pass;
   create.attachmentCount = static_cast<std::uint32_t>(views.size());
@@ -282,8 +292,7 @@ void PassRecorder::raster(RasterPass pass) {
   const VkPipeline pipeline = device_.pipelines().raster(pass.pipeline);
   const VkRenderPass render_pass = device_.pipelines().render_pass(pass.pipeline.targets);
   const VkFramebuffer target = framebuffer(pass, render_pass);
-  const auto& size = (pass.colours.empty() ? pass.depth : pass.colours.front().image)->description();
-  const VkExtent2D extent{size.width, size.height};
+  const VkExtent2D extent = extent_of(pass);
   step.record = [this, pipeline, render_pass, target, extent, ordered,
                  pass = std::move(pass)](VkCommandBuffer commands) {
     std::vector<VkClearValue> clears;

@@ -83,6 +83,7 @@ struct RasterPass {
   RasterDescription pipeline;  // bound before `draws` is called; its targets name the formats of the attachments below
   std::vector<Attachment> colours;
   Image* depth = nullptr;
+  std::array<std::uint32_t, 2> size{};                      // pixels; of a pass without attachments
   std::vector<std::array<std::uint32_t, 4>> clear_colours;  // bits; with targets.clear, one each
   float clear_depth = 0;
   std::vector<Binding> bindings;

@@ -15,7 +15,7 @@
 layout(location = 0) out vec4 out_sum;
 
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  ivec2 pixel = pixel_of(gl_FragCoord.xy);
   uvec4 own = uvec4(fragment_triangle());
   uint shown = 0u;
   for (uint quad = 0u; quad < SAMPLES / 4u; ++quad) {
