@@ -70,7 +70,7 @@ void Frontend::build_chunks() {
     extend(visibility_batches_, !visibility_batches_.empty() && visibility_batches_.back().alpha_test == alpha &&
                                     (!alpha || visibility_batches_.back().material == draw.material));
   }
-  constexpr std::size_t kMostChunks = 0x7fffffffu / 3 / kChunk;  // corner numbers of all records stay within 32 bits
+  constexpr std::size_t kMostChunks = 0x7fffffffu / 4 / kChunk;  // corner numbers of all records stay within 32 bits
   if (chunks.size() > kMostChunks)
     throw DeviceError(
         "front-end",
@@ -115,25 +115,26 @@ void Frontend::prepare(std::uint32_t samples) {
   counts_ = gpu::Buffer(device_, "counts", slots * sizeof(std::uint32_t));
   clip_list_ = gpu::Buffer(device_, "clip list", slots * sizeof(std::uint32_t));
   clip_count_ = gpu::Buffer(device_, "clip count", sizeof(std::uint32_t));
-  sums_ = gpu::Buffer(device_, "chunk sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec2));
+  sums_ = gpu::Buffer(device_, "chunk sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec3));
   piece_bases_ = gpu::Buffer(device_, "piece bases", slots * sizeof(std::uint32_t));
   records_ = gpu::Buffer(device_, "triangle records", slots * sizeof(gpu_types::TriangleRecord));
   hull_indices_ = gpu::Buffer(device_, "hull indices", 16);
   clipped_ = slots;  // of this run; the real number is known after it
-  pieces_ = hulls_ = 0;
+  pieces_ = hulls_ = hull_triangles_ = 0;
 
   gpu::PassRecorder sizing(device_);
   record_culling(sizing);
   sizing.run();
   clipped_ = clip_count_.as<std::uint32_t>()[0];
-  const glm::uvec2 totals = sums_.as<glm::uvec2>()[chunk_count_];
-  hulls_ = totals.x;
+  const glm::uvec3 totals = sums_.as<glm::uvec3>()[chunk_count_];
+  hull_triangles_ = totals.x;
   pieces_ = totals.y;
+  hulls_ = totals.z;
   records_ = gpu::Buffer(device_, "triangle records", (slots + pieces_) * sizeof(gpu_types::TriangleRecord));
-  hull_indices_ = gpu::Buffer(device_, "hull indices", hulls_ * 3 * sizeof(std::uint32_t));
-  visible_indices_ = gpu::Buffer(device_, "visible hull indices", hulls_ * 3 * sizeof(std::uint32_t));
+  hull_indices_ = gpu::Buffer(device_, "hull indices", hull_triangles_ * 3 * sizeof(std::uint32_t));
+  visible_indices_ = gpu::Buffer(device_, "visible hull indices", hull_triangles_ * 3 * sizeof(std::uint32_t));
   visible_ = gpu::Buffer(device_, "visible triangles", (slots + pieces_) * sizeof(std::uint32_t));
-  visible_sums_ = gpu::Buffer(device_, "visible sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec2));
+  visible_sums_ = gpu::Buffer(device_, "visible sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec3));
   visible_commands_ =
       gpu::Buffer(device_, "visible draws", material_batches_.size() * sizeof(VkDrawIndexedIndirectCommand));
 }
@@ -190,7 +191,7 @@ void Frontend::record_setup(gpu::PassRecorder& recorder) {
                    gpu::writes(3, piece_bases_)};
   struct {
     std::uint32_t chunk_count, triangle_slots, hull_capacity;
-  } const emit_push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hulls_)};
+  } const emit_push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_)};
   emit.push = gpu::PushConstants(emit_push);
   emit.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(emit);
@@ -241,7 +242,7 @@ void Frontend::record_visible(gpu::PassRecorder& recorder, gpu::Image& visibilit
 
   struct {
     std::uint32_t chunk_count, triangle_slots, hull_capacity;
-  } const push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hulls_)};
+  } const push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_)};
   gpu::ComputePass pass;
   pass.name = "compaction";
   pass.push = gpu::PushConstants(push);

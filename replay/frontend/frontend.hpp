@@ -46,12 +46,13 @@ class Frontend {
   gpu::Constants constants() const;
 
   std::uint32_t samples() const { return samples_; }
-  std::uint64_t hull_count() const { return hulls_; }       // screen triangles after culling and clipping
-  std::uint64_t clipped_count() const { return clipped_; }  // source triangles that crossed a clip plane
+  std::uint64_t hull_count() const { return hulls_; }               // screen triangles after culling and clipping
+  std::uint64_t hull_triangles() const { return hull_triangles_; }  // what their hulls are drawn as
+  std::uint64_t clipped_count() const { return clipped_; }          // source triangles that crossed a clip plane
   std::uint64_t allocated_bytes() const;
   GpuScene& scene() { return scene_; }
   gpu::Buffer& clip_matrices() { return clip_matrices_; }  // object to clip, one for each instance
-  // For tests: the records and the hull indices of the last run.
+  // For tests: the records and the hull indices (4 * record + corner, 3 a hull triangle) of the last run.
   gpu::Buffer& records() { return records_; }
   gpu::Buffer& hull_indices() { return hull_indices_; }
 
@@ -71,7 +72,7 @@ class Frontend {
   GpuScene& scene_;
   std::uint32_t samples_ = 0;
   std::uint32_t chunk_count_ = 0;
-  std::uint64_t hulls_ = 0, clipped_ = 0, pieces_ = 0;
+  std::uint64_t hulls_ = 0, hull_triangles_ = 0, clipped_ = 0, pieces_ = 0;
   std::vector<Batch> material_batches_, visibility_batches_;
   gpu::Buffer chunks_, clip_matrices_, counts_, clip_list_, clip_count_, sums_, piece_bases_, records_, hull_indices_;
   bool visible_known_ = false;

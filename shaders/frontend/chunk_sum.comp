@@ -2,14 +2,15 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 // variants: ALL= VISIBLE=-DVISIBLE
-// Sums the screen triangles and the clipped pieces of each chunk; one invocation for each chunk.
+// Sums the hulls' triangles, the clipped pieces and the screen triangles of each chunk; one invocation for each chunk.
 // VISIBLE counts those that own a sample.
-// Reads: counts; VISIBLE, the flags and the piece bases. Writes: sums (x: screen triangles, y: pieces among them).
+// Reads: counts; VISIBLE, the flags and the piece bases. Writes: sums (x: hulls' triangles, y: clipped pieces, z: screen
+// triangles, pieces among them).
 layout(local_size_x = 64) in;
 #include "frontend/frontend_types.h"
 
 layout(set = 0, binding = 1, scalar) readonly buffer Counts { uint counts[]; };
-layout(set = 0, binding = 2, scalar) writeonly buffer Sums { uvec2 sums[]; };
+layout(set = 0, binding = 2, scalar) writeonly buffer Sums { uvec3 sums[]; };
 #ifdef VISIBLE
 layout(set = 0, binding = 4, scalar) readonly buffer PieceBases { uint piece_bases[]; };
 layout(set = 0, binding = 5, scalar) readonly buffer Visible { uint visible[]; };
@@ -22,19 +23,21 @@ layout(push_constant, scalar) uniform Push {
 void main() {
   uint chunk = gl_GlobalInvocationID.x;
   if (chunk >= push.chunk_count) return;
-  uvec2 sum = uvec2(0u);
+  uvec3 sum = uvec3(0u);
   for (uint k = 0u; k < SUBPIXEL_CHUNK_TRIANGLES; ++k) {
     uint slot = chunk * SUBPIXEL_CHUNK_TRIANGLES + k;
     uint count = counts[slot];
-    uint pieces = count & 0x7fffffffu;
+    bool clipped = count > 0x7fffffffu;
+    uint pieces = clipped ? count & 0x7fffffffu : 0u;
+    uint records = clipped ? pieces : min(count, 1u);
+    uint hull = clipped ? 2u : count;  // triangles of each record's hull
 #ifdef VISIBLE
     uint seen = 0u;
-    uint first = count > 0x7fffffffu ? push.triangle_slots + piece_bases[slot] : slot;
-    for (uint piece = 0u; piece < pieces; ++piece) seen += visible[first + piece];
-    sum += uvec2(seen, 0u);
-    continue;
+    uint first = clipped ? push.triangle_slots + piece_bases[slot] : slot;
+    for (uint piece = 0u; piece < records; ++piece) seen += visible[first + piece];
+    records = seen;
 #endif
-    sum += uvec2(pieces, count > 0x7fffffffu ? pieces : 0u);
+    sum += uvec3(records * hull, pieces, records);
   }
   sums[chunk] = sum;
 }

@@ -55,8 +55,11 @@ void main() {
   for (uint k = 2u; k < count; ++k) {
     TriangleRecord record;
     bool in_front = corners[0].w > 0.0 && corners[k - 1u].w > 0.0 && corners[k].w > 0.0;
-    if (!in_front || !set_up_triangle(corners[0], corners[k - 1u], corners[k], cull_back, mirrored, record)) continue;
+    uint hull = set_up_triangle(corners[0], corners[k - 1u], corners[k], cull_back, mirrored, record);
+    if (!in_front || hull == 0u) continue;
 #ifdef EMIT
+    // All pieces are drawn as two triangles, the second of which may be empty.
+    if (hull == 1u) record.depth2.yz = record.hull01.xy;
     record.hull2_id.zw = uvec2(first_index, chunk.range.z);
     record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0u) | chunk.range.w << RECORD_MATERIAL_SHIFT;
     uint piece = piece_bases[slot] + pieces;

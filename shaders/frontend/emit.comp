@@ -5,12 +5,12 @@
 // Writes the index buffer of the hulls in submission order and where each clipped triangle's pieces go; one invocation
 // for each chunk.
 // VISIBLE leaves out the triangles that own no sample.
-// Reads: counts, scanned sums; VISIBLE, the flags. Writes: hull indices (3 * record + corner); ALL, piece bases.
+// Reads: counts, scanned sums; VISIBLE, the flags. Writes: hull indices (4 * record + corner); ALL, piece bases.
 layout(local_size_x = 64) in;
 #include "frontend/frontend_types.h"
 
 layout(set = 0, binding = 1, scalar) readonly buffer Counts { uint counts[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec2 sums[]; };
+layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec3 sums[]; };
 layout(set = 0, binding = 3, scalar) writeonly buffer HullIndices { uint hull_indices[]; };
 #ifdef VISIBLE
 layout(set = 0, binding = 4, scalar) readonly buffer PieceBases { uint piece_bases[]; };
@@ -32,7 +32,8 @@ void main() {
     uint slot = chunk * SUBPIXEL_CHUNK_TRIANGLES + k;
     uint count = counts[slot];
     bool clipped = count > 0x7fffffffu;
-    uint pieces = count & 0x7fffffffu;
+    uint pieces = clipped ? count & 0x7fffffffu : min(count, 1u);
+    uint hull = clipped ? 2u : count;
 #ifdef VISIBLE
     if (clipped) out_piece = piece_bases[slot];
 #else
@@ -43,12 +44,14 @@ void main() {
 #ifdef VISIBLE
       if (visible[record] == 0u) continue;
 #endif
-      if (out_hull < push.hull_capacity) {
-        hull_indices[3u * out_hull] = 3u * record;
-        hull_indices[3u * out_hull + 1u] = 3u * record + 1u;
-        hull_indices[3u * out_hull + 2u] = 3u * record + 2u;
+      for (uint t = 0u; t < hull; ++t) {
+        if (out_hull < push.hull_capacity) {
+          hull_indices[3u * out_hull] = 4u * record;
+          hull_indices[3u * out_hull + 1u] = 4u * record + 1u + t;
+          hull_indices[3u * out_hull + 2u] = 4u * record + 2u + t;
+        }
+        ++out_hull;
       }
-      ++out_hull;
     }
     out_piece += clipped ? pieces : 0u;
   }

@@ -36,7 +36,7 @@ struct TriangleRecord {
   uvec4 v01;       // int bits: snapped vertices 0 and 1, 1/256 pixel
   uvec4 v2_ref;    // int bits: snapped vertex 2; then reference pixel x | y << 16; then RECORD_ bits | material
   uvec4 depth;     // float bits: z at the reference pixel's centre, dz/dx, dz/dy per pixel, smallest z of the triangle
-  uvec4 depth2;    // float bits: largest z of the triangle
+  uvec4 depth2;    // float bits: largest z of the triangle; then corner 3 of the hull, if it has one
 };
 #define RECORD_BACK_FACE 1u
 #define RECORD_MIRRORED 2u

@@ -3,7 +3,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // variants: VISIBILITY= ALPHA=-DWITH_UV ATTRIBUTES=-DWITH_UV,-DWITH_ATTRIBUTES
-// One corner of a triangle's conservative hull. What belongs to the triangle goes out flat and equal at all three corners,
+// One corner of a triangle's conservative hull, which has three or four. What belongs to the triangle goes out flat and equal at all three corners,
 // since a clipped hull may start at any of them.
 // Reads: records; with ATTRIBUTES the source triangle's vertices. Writes: position and the flat outputs.
 #include "include/frame.glsl"
@@ -30,16 +30,17 @@ layout(location = 14) out flat vec4 out_tangent2;
 #endif
 
 void main() {
-  uint record = gl_VertexIndex / 3u, corner = gl_VertexIndex - 3u * record;
+  uint record = gl_VertexIndex / 4u, corner = gl_VertexIndex & 3u;
+  uvec4 depth2 = push.records.record[record].depth2;
   uvec4 hull01 = push.records.record[record].hull01;
   uvec4 hull2_id = push.records.record[record].hull2_id;
   uvec4 v2_ref = push.records.record[record].v2_ref;
-  uvec2 position = corner == 0u ? hull01.xy : corner == 1u ? hull01.zw : hull2_id.xy;
+  uvec2 position = corner == 0u ? hull01.xy : corner == 1u ? hull01.zw : corner == 2u ? hull2_id.xy : depth2.yz;
   gl_Position = vec4(uintBitsToFloat(position) * frame.viewport.zw * 2.0 - 1.0, 0.5, 1.0);
   out_v01 = push.records.record[record].v01;
   out_v2_ref = v2_ref;
   out_depth = push.records.record[record].depth;
-  out_ids = uvec4(push.records.record[record].depth2.x, record, 0u, 0u);
+  out_ids = uvec4(depth2.x, record, 0u, 0u);
 #ifdef WITH_UV
   mat4 clip_from_object = push.clip_matrices.clip_from_object[hull2_id.w];
   vec3 clip[3];

@@ -4,7 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 // Sets up every triangle of the frame: one workgroup for each chunk, one invocation for each triangle.
 // Reads: chunks, instance clip matrices, indices, positions. Writes: the record at the triangle's own slot and how many
-// screen triangles it makes; triangles that cross a clip plane go to the list of the clipping pass.
+// triangles its hull has; triangles that cross a clip plane go to the list of the clipping pass.
 layout(local_size_x = 64) in;
 #include "frontend/setup.glsl"
 #include "frontend/geometry.glsl"
@@ -46,7 +46,7 @@ void main() {
     TriangleRecord record;
     bool cull_back = (chunk.flags.x & CHUNK_CULL_BACK) != 0u;
     bool mirrored = instance_mirrored(chunk.range.z);
-    count = set_up_triangle(c[0], c[1], c[2], cull_back, mirrored, record) ? 1u : 0u;
+    count = set_up_triangle(c[0], c[1], c[2], cull_back, mirrored, record);
     record.hull2_id.zw = uvec2(first_index, chunk.range.z);
     record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0u) | chunk.range.w << RECORD_MATERIAL_SHIFT;
     if (count != 0u) push.records.record[slot] = record;

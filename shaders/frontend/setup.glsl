@@ -8,50 +8,96 @@
 
 layout(constant_id = 0) const uint SAMPLES = 8u;
 
-// How far a sample of the pattern can lie from the pixel's centre, pixels, with 1/16 pixel for the rasteriser's own snapping.
+// How far a sample of the pattern can lie from the pixel's centre, pixels, with 1/64 pixel for the rasteriser's own snapping and
+// the rounding of the hull's corners.
 float sample_reach() {
-  if (SAMPLES == 1u) return 0.0625;
-  return SAMPLES <= 8u ? 0.5 : 0.5625;
+  if (SAMPLES == 1u) return 0.015625;
+  return SAMPLES <= 8u ? 0.453125 : 0.515625;
 }
 
-// Corners of a triangle that contains the centre of every pixel that has a sample in v0 v1 v2. Two candidates contain them:
-// the triangle with its edges pushed outwards by the reach, and a right triangle over the dilated bounding box. The smaller
-// one is used; corners are never clamped, which would cut slivers.
-// `w`: twice the triangle's area in pixels, computed exactly and rounded once. The box may be cut to the viewport: what
-// it loses holds no pixel.
-void conservative_hull(vec2 p[3], float w, out vec2 hull[3]) {
+// What a hull's second triangle costs a geometry pass, in pixels of hull.
+const float kSecondTriangle_px = 6.0;
+// Corners farther out would lose the fraction that the reach allows for rounding.
+const float kFarthestCorner_px = 16384.0;
+
+bool near_enough(vec2 a, vec2 b, vec2 c, vec2 d) {
+  vec2 farthest = max(max(abs(a), abs(b)), max(abs(c), abs(d)));
+  return max(farthest.x, farthest.y) < kFarthestCorner_px;
+}
+
+// Corners of a triangle or quadrilateral that contains the centre of every pixel that has a sample in v0 v1 v2; returns how many
+// triangles it is drawn as: 0 1 2, and 0 2 3. Four candidates contain them: the triangle with its edges pushed outwards by the
+// reach; that with its sharpest tip cut off; a right triangle over the dilated bounding box; the box. The smallest is used.
+// Corners are never clamped, which would cut slivers.
+// `w`: twice the triangle's area in pixels, exact. The box may be cut to the viewport: what it loses holds no pixel.
+uint conservative_hull(vec2 p[3], double w, out vec2 hull[4]) {
   float reach = sample_reach();
   vec2 low = max(min(min(p[0], p[1]), p[2]) - reach, vec2(-1.0));
   vec2 high = min(max(max(p[0], p[1]), p[2]) + reach, frame.viewport.xy + 1.0);
   vec2 size = high - low;
   // A right triangle with legs twice the box's sides and its right angle on a corner of the box covers the box.
-  hull[0] = low;
-  hull[1] = vec2(low.x + 2.0 * size.x, low.y);
-  hull[2] = vec2(low.x, low.y + 2.0 * size.y);
+  hull = vec2[4](low, vec2(low.x + 2.0 * size.x, low.y), vec2(low.x, low.y + 2.0 * size.y), low);
+  uint triangles = 1u;
   float best = 2.0 * size.x * size.y;
+  if (0.5 * best + kSecondTriangle_px < best) {
+    hull = vec2[4](low, vec2(high.x, low.y), high, vec2(low.x, high.y));
+    triangles = 2u;
+    best = 0.5 * best + kSecondTriangle_px;
+  }
+  if (w <= 0.0LF) return triangles;
 
-  vec2 d0 = p[1] - p[0], d1 = p[2] - p[1], d2 = p[0] - p[2];
-  // Lines n.x = c with n the outward normal; pushing a line by the reach in both axes adds reach * (|nx| + |ny|).
-  vec2 n0 = vec2(d0.y, -d0.x), n1 = vec2(d1.y, -d1.x), n2 = vec2(d2.y, -d2.x);
-  float c0 = reach * (abs(n0.x) + abs(n0.y)), c1 = reach * (abs(n1.x) + abs(n1.y)), c2 = reach * (abs(n2.x) + abs(n2.y));
-  // Corner between lines a and b, relative to their shared vertex: solve n_a.x = c_a, n_b.x = c_b.
-  // The three determinants are all w.
-  if (w > 0.0) {
-    vec2 q1 = p[1] + vec2(c0 * n1.y - c1 * n0.y, c1 * n0.x - c0 * n1.x) / w;
-    vec2 q2 = p[2] + vec2(c1 * n2.y - c2 * n1.y, c2 * n1.x - c1 * n2.x) / w;
-    vec2 q0 = p[0] + vec2(c2 * n0.y - c0 * n2.y, c0 * n2.x - c2 * n0.x) / w;
-    float area = 0.5 * abs((q1.x - q0.x) * (q2.y - q0.y) - (q2.x - q0.x) * (q1.y - q0.y));
-    if (area < best) {
-      hull[0] = q0;
-      hull[1] = q1;
-      hull[2] = q2;
+  // Lines n.x = c with n the outward normal; pushing a line by the reach in both axes adds reach * (|nx| + |ny|). In doubles:
+  // the corners of slivers are quotients of small differences.
+  dvec2 n[3];
+  double c[3];
+  for (uint k = 0u; k < 3u; ++k) {
+    dvec2 along = dvec2(p[(k + 1u) % 3u]) - dvec2(p[k]);
+    n[k] = dvec2(along.y, -along.x);
+    c[k] = double(reach) * (abs(n[k].x) + abs(n[k].y));
+  }
+  // Corner k between lines k - 1 and k, relative to vertex k: solve n_a.x = c_a, n_b.x = c_b. The determinants are all w.
+  dvec2 q[3];
+  vec2 out_by[3];
+  for (uint k = 0u; k < 3u; ++k) {
+    uint a = (k + 2u) % 3u;
+    dvec2 away = dvec2(c[a] * n[k].y - c[k] * n[a].y, c[k] * n[a].x - c[a] * n[k].x) / w;
+    q[k] = dvec2(p[k]) + away;
+    out_by[k] = vec2(away);
+  }
+  vec2 e1 = vec2(q[1] - q[0]), e2 = vec2(q[2] - q[0]);
+  float area = 0.5 * abs(e1.x * e2.y - e2.x * e1.y);
+  if (area < best && near_enough(vec2(q[0]), vec2(q[1]), vec2(q[2]), vec2(0.0))) {
+    hull = vec2[4](vec2(q[0]), vec2(q[1]), vec2(q[2]), vec2(q[0]));
+    triangles = 1u;
+    best = area;
+  }
+
+  // The tip farthest from its vertex, cut at right angles to the way there, behind everything that belongs to the triangle.
+  vec3 lengths = vec3(dot(out_by[0], out_by[0]), dot(out_by[1], out_by[1]), dot(out_by[2], out_by[2]));
+  uint tip = lengths.x >= lengths.y && lengths.x >= lengths.z ? 0u : lengths.y >= lengths.z ? 1u : 2u;
+  uint left = (tip + 1u) % 3u, right = (tip + 2u) % 3u;
+  float tip_length = sqrt(lengths[tip]);
+  vec2 direction = out_by[tip] / max(tip_length, 1e-20);
+  float reached = max(max(dot(direction, p[left] - p[tip]), dot(direction, p[right] - p[tip])), 0.0) +
+                  reach * (abs(direction.x) + abs(direction.y));
+  float cut = tip_length - reached;
+  vec2 to_left = vec2(q[left] - q[tip]), to_right = vec2(q[right] - q[tip]);
+  float height_left = -dot(direction, to_left), height_right = -dot(direction, to_right);
+  float quad_area = area * (1.0 - cut * cut / (height_left * height_right)) + kSecondTriangle_px;
+  if (cut > 0.0 && cut < height_left && cut < height_right && quad_area < best) {
+    vec2 cut_left = vec2(q[tip] + dvec2(to_left) * double(cut / height_left));
+    vec2 cut_right = vec2(q[tip] + dvec2(to_right) * double(cut / height_right));
+    if (near_enough(vec2(q[left]), vec2(q[right]), cut_left, cut_right)) {
+      hull = vec2[4](vec2(q[left]), vec2(q[right]), cut_right, cut_left);
+      triangles = 2u;
     }
   }
+  return triangles;
 }
 
-// Sets up one triangle that is inside the guard band and in front of the eye. Returns false when it is empty after snapping,
+// Sets up one triangle that is inside the guard band and in front of the eye. Returns the triangles of its hull, 0 when it is empty after snapping,
 // faces away and `cull_back`, or covers no sample of any pixel of the viewport.
-bool set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, out TriangleRecord record) {
+uint set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, out TriangleRecord record) {
   vec3 n0 = c0.xyz / c0.w, n1 = c1.xyz / c1.w, n2 = c2.xyz / c2.w;
   vec2 half_size = frame.viewport.xy * 0.5;
   ivec2 v0 = ivec2(floor((n0.xy * half_size + half_size) * float(SUBPIXEL_SNAP) + 0.5));
@@ -105,16 +151,16 @@ bool set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, o
   double z = z0 + dx * double(from_v0.x) + dy * double(from_v0.y);
 
   vec2 p[3] = vec2[3](vec2(v0) / 256.0, vec2(v1) / 256.0, vec2(v2) / 256.0);
-  vec2 hull[3];
-  conservative_hull(p, float(area * (1.0LF / 65536.0LF)), hull);
+  vec2 hull[4];
+  uint triangles = conservative_hull(p, area * (1.0LF / 65536.0LF), hull);
   record.hull01 = floatBitsToUint(vec4(hull[0], hull[1]));
   record.hull2_id = uvec4(floatBitsToUint(hull[2]), 0u, 0u);
   record.v01 = uvec4(ivec4(v0, v1));
   record.v2_ref = uvec4(uvec2(v2), uint(reference.x) | uint(reference.y) << 16, (back ? RECORD_BACK_FACE : 0u) | (large ? RECORD_LARGE : 0u) | (huge ? RECORD_HUGE : 0u));
   // Slopes beyond float's range belong to triangles seen edge-on, whose depths the clamp decides.
   record.depth = floatBitsToUint(vec4(clamp(vec3(z, dx * 256.0LF, dy * 256.0LF), -1e30, 1e30), min(min(n0.z, n1.z), n2.z)));
-  record.depth2 = uvec4(floatBitsToUint(max(max(n0.z, n1.z), n2.z)), 0u, 0u, 0u);
-  return alive;
+  record.depth2 = uvec4(floatBitsToUint(max(max(n0.z, n1.z), n2.z)), floatBitsToUint(hull[3]), 0u);
+  return alive ? triangles : 0u;
 }
 
 // Signed distances to the six clip planes: near (reversed depth: z <= w), far (z >= 0), and the guard band.

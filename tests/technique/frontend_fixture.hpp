@@ -241,12 +241,18 @@ class FrontendRun {
         (scene.triangle_count() + SUBPIXEL_CHUNK_TRIANGLES - 1) / SUBPIXEL_CHUNK_TRIANGLES * SUBPIXEL_CHUNK_TRIANGLES;
     const auto corners = frontend.hull_indices().as<std::uint32_t>();
     const auto records = frontend.records().as<gpu_types::TriangleRecord>();
-    for (std::uint64_t h = 0; h < frontend.hull_count(); ++h) {
+    for (std::uint64_t h = 0; h < frontend.hull_triangles(); ++h) {
       SetUpTriangle t;
-      t.record = corners[3 * h] / 3;
-      if (corners[3 * h] != 3 * t.record || corners[3 * h + 1] != 3 * t.record + 1 ||
-          corners[3 * h + 2] != 3 * t.record + 2)
+      t.record = corners[3 * h] / 4;
+      const std::uint32_t second = corners[3 * h + 1] % 4 - 1;  // of a hull's two triangles
+      if (corners[3 * h] != 4 * t.record || corners[3 * h + 1] != 4 * t.record + 1 + second ||
+          corners[3 * h + 2] != 4 * t.record + 2 + second || second > 1)
         throw std::logic_error("a hull's corners are not those of one record");
+      if (second == 1) {
+        if (triangles.empty() || triangles.back().record != t.record)
+          throw std::logic_error("a hull's second triangle does not follow its first");
+        continue;
+      }
       t.data = records[t.record];
       t.source = t.data.hull2_id.z / 3;
       t.piece = t.record >= slots;
@@ -257,6 +263,8 @@ class FrontendRun {
                  grid(t.data.v2_ref.x, t.data.v2_ref.y)};
       triangles.push_back(t);
     }
+    if (triangles.size() != frontend.hull_count())
+      throw std::logic_error("hulls and screen triangles differ in number");
     std::memcpy(seen_.data(), buffer_.mapped().data(), seen_.size() * sizeof(VisibleSample));
   }
 
