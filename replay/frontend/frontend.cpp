@@ -35,10 +35,27 @@ gpu::Constants Frontend::constants() const {
 
 std::uint64_t Frontend::allocated_bytes() const {
   std::uint64_t total = 0;
-  for (const gpu::Buffer* buffer :
-       {&chunks_, &clip_matrices_, &counts_, &clip_list_, &clip_count_, &sums_, &piece_bases_, &records_,
-        &hull_indices_, &material_ranges_, &visibility_ranges_, &material_commands_, &visibility_commands_, &visible_,
-        &visible_sums_, &visible_indices_, &visible_commands_})
+  for (const gpu::Buffer* buffer : {&chunks_,
+                                    &clip_matrices_,
+                                    &counts_,
+                                    &clip_list_,
+                                    &clip_count_,
+                                    &sums_,
+                                    &piece_bases_,
+                                    &records_,
+                                    &hull_indices_,
+                                    &material_ranges_,
+                                    &visibility_ranges_,
+                                    &material_commands_,
+                                    &visibility_commands_,
+                                    &visible_,
+                                    &visible_sums_,
+                                    &visible_indices_,
+                                    &visible_commands_,
+                                    &rest_sums_,
+                                    &rest_indices_,
+                                    &rest_commands_,
+                                    &small_records_})
     total += buffer->bytes();
   return total;
 }
@@ -115,7 +132,7 @@ void Frontend::prepare(std::uint32_t samples) {
   counts_ = gpu::Buffer(device_, "counts", slots * sizeof(std::uint32_t));
   clip_list_ = gpu::Buffer(device_, "clip list", slots * sizeof(std::uint32_t));
   clip_count_ = gpu::Buffer(device_, "clip count", sizeof(std::uint32_t));
-  sums_ = gpu::Buffer(device_, "chunk sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec3));
+  sums_ = gpu::Buffer(device_, "chunk sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec4));
   piece_bases_ = gpu::Buffer(device_, "piece bases", slots * sizeof(std::uint32_t));
   records_ = gpu::Buffer(device_, "triangle records", slots * sizeof(gpu_types::TriangleRecord));
   hull_indices_ = gpu::Buffer(device_, "hull indices", 16);
@@ -126,15 +143,21 @@ void Frontend::prepare(std::uint32_t samples) {
   record_culling(sizing);
   sizing.run();
   clipped_ = clip_count_.as<std::uint32_t>()[0];
-  const glm::uvec3 totals = sums_.as<glm::uvec3>()[chunk_count_];
+  const glm::uvec4 totals = sums_.as<glm::uvec4>()[chunk_count_];
   hull_triangles_ = totals.x;
   pieces_ = totals.y;
   hulls_ = totals.z;
+  small_count_ = totals.w;
   records_ = gpu::Buffer(device_, "triangle records", (slots + pieces_) * sizeof(gpu_types::TriangleRecord));
   hull_indices_ = gpu::Buffer(device_, "hull indices", hull_triangles_ * 3 * sizeof(std::uint32_t));
   visible_indices_ = gpu::Buffer(device_, "visible hull indices", hull_triangles_ * 3 * sizeof(std::uint32_t));
+  rest_sums_ = gpu::Buffer(device_, "sums without small triangles", sums_.bytes());
+  rest_indices_ = gpu::Buffer(device_, "hull indices without small triangles", hull_indices_.bytes());
+  rest_commands_ = gpu::Buffer(device_, "draws without small triangles",
+                               visibility_batches_.size() * sizeof(VkDrawIndexedIndirectCommand));
+  small_records_ = gpu::Buffer(device_, "small triangles", small_count_ * sizeof(std::uint32_t));
   visible_ = gpu::Buffer(device_, "visible triangles", (slots + pieces_) * sizeof(std::uint32_t));
-  visible_sums_ = gpu::Buffer(device_, "visible sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec3));
+  visible_sums_ = gpu::Buffer(device_, "visible sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec4));
   visible_commands_ =
       gpu::Buffer(device_, "visible draws", material_batches_.size() * sizeof(VkDrawIndexedIndirectCommand));
 }
@@ -221,6 +244,31 @@ void Frontend::record_setup(gpu::PassRecorder& recorder) {
   record_arguments(recorder, "setup", visibility_batches_.size(), visibility_ranges_, sums_, visibility_commands_);
 }
 
+void Frontend::record_small_list(gpu::PassRecorder& recorder, const std::string& name) {
+  gpu::ComputePass pass;
+  pass.name = name;
+  pass.shader = "frontend/chunk_sum.comp:REST";
+  pass.bindings = {gpu::reads(0, counts_), gpu::writes(1, rest_sums_)};
+  pass.push = gpu::PushConstants(chunk_count_);
+  pass.groups = {groups_of(chunk_count_, 64), 1, 1};
+  recorder.compute(pass);
+  pass.shader = "frontend/scan.comp";
+  pass.bindings = {gpu::writes(0, rest_sums_)};
+  pass.groups = {1, 1, 1};
+  recorder.compute(pass);
+  struct {
+    std::uint32_t chunk_count, triangle_slots, hull_capacity, small_capacity;
+  } const push{chunk_count_, triangle_slots(), static_cast<std::uint32_t>(hull_triangles_),
+               static_cast<std::uint32_t>(small_count_)};
+  pass.push = gpu::PushConstants(push);
+  pass.shader = "frontend/emit.comp:REST";
+  pass.bindings = {gpu::reads(0, counts_), gpu::reads(1, rest_sums_), gpu::writes(2, rest_indices_),
+                   gpu::reads(3, piece_bases_), gpu::writes(4, small_records_)};
+  pass.groups = {groups_of(chunk_count_, 64), 1, 1};
+  recorder.compute(pass);
+  record_arguments(recorder, name, visibility_batches_.size(), visibility_ranges_, rest_sums_, rest_commands_);
+}
+
 void Frontend::record_visible(gpu::PassRecorder& recorder, gpu::Image& visibility) {
   visible_known_ = true;
   const auto& size = visibility.description();
@@ -286,6 +334,7 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   push.indices = scene_.indices.address();
   push.clip_matrices = clip_matrices_.address();
   push.instances = scene_.instances.address();
+  push.triangle_slots = triangle_slots();
 
   gpu::RasterDescription opaque = pass.pipeline;
   opaque.vertex = geometry.by_material ? "frontend/hull.vert:ATTRIBUTES" : "frontend/hull.vert:VISIBILITY";
@@ -298,10 +347,11 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   pass.bindings.push_back(gpu::uniform(scene_.frame_constants));
   pass.bindings.push_back(gpu::reads(10, scene_.materials));
   const bool visible_only = geometry.by_material && visible_known_;
-  gpu::Buffer& commands = !geometry.by_material ? visibility_commands_
-                          : visible_only        ? visible_commands_
-                                                : material_commands_;
-  gpu::Buffer& indices = visible_only ? visible_indices_ : hull_indices_;
+  gpu::Buffer& commands = geometry.without_small  ? rest_commands_
+                          : !geometry.by_material ? visibility_commands_
+                          : visible_only          ? visible_commands_
+                                                  : material_commands_;
+  gpu::Buffer& indices = geometry.without_small ? rest_indices_ : visible_only ? visible_indices_ : hull_indices_;
   pass.indices_and_indirect = {&indices, &commands};
   pass.by_address = {&records_,        &scene_.positions, &scene_.normals, &scene_.uvs,
                      &scene_.tangents, &scene_.indices,   &clip_matrices_, &scene_.instances};

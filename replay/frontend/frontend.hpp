@@ -7,6 +7,7 @@
 
 #include "replay/gpu/pass_recorder.hpp"
 #include "replay/scene/gpu_scene.hpp"
+#include "shaders/frontend/frontend_types.h"
 
 namespace subpixel::replay {
 
@@ -15,7 +16,7 @@ enum class AlphaDecision : std::uint32_t { to_coverage = 0, test = 1, per_sample
 // Push constants of hull.vert and fragment.glsl.
 struct HullPush {
   std::uint64_t records, positions, normals, uvs, tangents, indices, clip_matrices, instances;
-  std::uint32_t material, unused;
+  std::uint32_t material, triangle_slots;
 };
 
 class Frontend {
@@ -35,8 +36,15 @@ class Frontend {
     gpu::RasterPass pass;
     std::string fragment_opaque, fragment_alpha;
     bool by_material = false;
+    bool without_small = false;  // leaves out the triangles that record_small_list() lists; not with `by_material`
   };
   void record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry);
+
+  // Triangles so small that a pass does better to rasterise them in compute (COUNT_SMALL): how many, known from
+  // prepare(); where their records are listed, in submission order, once the passes named `name` have run.
+  std::uint64_t small_count() const { return small_count_; }
+  void record_small_list(gpu::PassRecorder& recorder, const std::string& name);
+  gpu::Buffer& small_records() { return small_records_; }
 
   // Finds which triangles own a sample of `visibility` (visibility.hpp), passes "compaction". From then on passes by
   // material of the frame draw those alone.
@@ -52,6 +60,7 @@ class Frontend {
   std::uint64_t allocated_bytes() const;
   GpuScene& scene() { return scene_; }
   gpu::Buffer& clip_matrices() { return clip_matrices_; }  // object to clip, one for each instance
+  std::uint32_t triangle_slots() const { return chunk_count_ * SUBPIXEL_CHUNK_TRIANGLES; }  // records of pieces follow
   // For tests: the records and the hull indices (4 * record + corner, 3 a hull triangle) of the last run.
   gpu::Buffer& records() { return records_; }
   gpu::Buffer& hull_indices() { return hull_indices_; }
@@ -72,9 +81,10 @@ class Frontend {
   GpuScene& scene_;
   std::uint32_t samples_ = 0;
   std::uint32_t chunk_count_ = 0;
-  std::uint64_t hulls_ = 0, hull_triangles_ = 0, clipped_ = 0, pieces_ = 0;
+  std::uint64_t hulls_ = 0, hull_triangles_ = 0, clipped_ = 0, pieces_ = 0, small_count_ = 0;
   std::vector<Batch> material_batches_, visibility_batches_;
   gpu::Buffer chunks_, clip_matrices_, counts_, clip_list_, clip_count_, sums_, piece_bases_, records_, hull_indices_;
+  gpu::Buffer rest_sums_, rest_indices_, rest_commands_, small_records_;
   bool visible_known_ = false;
   gpu::Buffer visible_, visible_sums_, visible_indices_, visible_commands_;
   gpu::Buffer material_ranges_, visibility_ranges_, material_commands_, visibility_commands_;

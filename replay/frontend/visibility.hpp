@@ -5,10 +5,15 @@
 
 namespace subpixel::replay {
 
+// How triangles of a few pixels are rasterised. All ways leave the same bits; `automatic` takes the faster by their
+// number.
+enum class SmallTriangles { automatic, as_hulls, in_compute };
+
 // Records the passes, named "visibility", and the front-end's compaction to visible triangles; returns the image
 // (RGBA32UI array, layers as shaders/include/visibility.glsl reads them). `samples` is 1, 4, 8, 16, 32 or 64 and what
 // the front-end was prepared for.
-gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& setup);
+gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& setup,
+                              SmallTriangles small = SmallTriangles::automatic);
 
 // Samples in one pass of visibility.frag for an n-sample pattern.
 std::uint32_t visibility_group(std::uint32_t samples);

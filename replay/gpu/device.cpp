@@ -88,6 +88,7 @@ constexpr FeatureNeed kNeeds[] = {
     {"independentBlend", [](Features& f) -> VkBool32& { return f.core.features.independentBlend; }},
     {"depthClamp", [](Features& f) -> VkBool32& { return f.core.features.depthClamp; }},
     {"bufferDeviceAddress", [](Features& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
+    {"shaderBufferInt64Atomics", [](Features& f) -> VkBool32& { return f.v12.shaderBufferInt64Atomics; }},
     {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
     {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},  // LocalSizeId, which glslang emits
     {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},

@@ -57,7 +57,7 @@ gpu::Image& map_image(gpu::PassRecorder& recorder, const FrameSetup& setup, std:
 PixelList record_pixel_list(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& flags) {
   constexpr std::uint32_t kTile = 8;
   const std::uint32_t tiles = ((setup.width + kTile - 1) / kTile) * ((setup.height + kTile - 1) / kTile);
-  gpu::Buffer& sums = recorder.buffer("tile sums", (std::uint64_t{tiles} + 1) * 12);
+  gpu::Buffer& sums = recorder.buffer("tile sums", (std::uint64_t{tiles} + 1) * 16);
   gpu::Buffer& counts = recorder.buffer("tile counts", std::uint64_t{tiles} * 4);
   const PixelList list{&recorder.buffer("pixel list", (std::uint64_t{setup.width} * setup.height + 1) * 4),
                        &recorder.buffer("pixel list groups", 12)};

@@ -7,7 +7,7 @@ layout(local_size_x = 64) in;
 #include "deferred/pixel_list.glsl"
 
 layout(set = 0, binding = 12) uniform usampler2D flags;
-layout(set = 0, binding = 1, scalar) writeonly buffer Sums { uvec3 sums[]; };
+layout(set = 0, binding = 1, scalar) writeonly buffer Sums { uvec4 sums[]; };
 layout(set = 0, binding = 2, scalar) writeonly buffer Counts { uint counts[]; };
 
 void main() {
@@ -22,6 +22,6 @@ void main() {
     uint flag = texelFetch(flags, min(pixel, size - 1), 0).x;
     count += all(lessThan(pixel, size)) && flag != 0u ? 1u : 0u;
   }
-  sums[tile] = uvec3(count, 0u, 0u);
+  sums[tile] = uvec4(count, 0u, 0u, 0u);
   counts[tile] = count;
 }

@@ -8,7 +8,7 @@ layout(local_size_x = 64) in;
 #include "deferred/pixel_list.glsl"
 
 layout(set = 0, binding = 12) uniform usampler2D flags;
-layout(set = 0, binding = 1, scalar) readonly buffer Sums { uvec3 sums[]; };
+layout(set = 0, binding = 1, scalar) readonly buffer Sums { uvec4 sums[]; };
 layout(set = 0, binding = 2, scalar) writeonly buffer List {
   uint listed;
   uint list[];

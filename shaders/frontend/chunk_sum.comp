@@ -1,16 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: ALL= VISIBLE=-DVISIBLE
+// variants: ALL= VISIBLE=-DVISIBLE REST=-DREST
 // Sums the hulls' triangles, the clipped pieces and the screen triangles of each chunk; one invocation for each chunk.
-// VISIBLE counts those that own a sample.
+// VISIBLE counts those that own a sample; REST leaves the small ones out of the first sum.
 // Reads: counts; VISIBLE, the flags and the piece bases. Writes: sums (x: hulls' triangles, y: clipped pieces, z: screen
-// triangles, pieces among them).
+// triangles, pieces among them, w: small ones).
 layout(local_size_x = 64) in;
 #include "frontend/frontend_types.h"
 
 layout(set = 0, binding = 1, scalar) readonly buffer Counts { uint counts[]; };
-layout(set = 0, binding = 2, scalar) writeonly buffer Sums { uvec3 sums[]; };
+layout(set = 0, binding = 2, scalar) writeonly buffer Sums { uvec4 sums[]; };
 #ifdef VISIBLE
 layout(set = 0, binding = 4, scalar) readonly buffer PieceBases { uint piece_bases[]; };
 layout(set = 0, binding = 5, scalar) readonly buffer Visible { uint visible[]; };
@@ -23,21 +23,25 @@ layout(push_constant, scalar) uniform Push {
 void main() {
   uint chunk = gl_GlobalInvocationID.x;
   if (chunk >= push.chunk_count) return;
-  uvec3 sum = uvec3(0u);
+  uvec4 sum = uvec4(0u);
   for (uint k = 0u; k < SUBPIXEL_CHUNK_TRIANGLES; ++k) {
     uint slot = chunk * SUBPIXEL_CHUNK_TRIANGLES + k;
     uint count = counts[slot];
-    bool clipped = count > 0x7fffffffu;
-    uint pieces = clipped ? count & 0x7fffffffu : 0u;
-    uint records = clipped ? pieces : min(count, 1u);
+    bool clipped = (count & COUNT_CLIPPED) != 0u, small = (count & COUNT_SMALL) != 0u;
+    count &= COUNT_MASK;
+    uint pieces = clipped ? count : 0u;
+    uint records = clipped ? count : min(count, 1u);
     uint hull = clipped ? 2u : count;  // triangles of each record's hull
+#ifdef REST
+    hull = small ? 0u : hull;
+#endif
 #ifdef VISIBLE
     uint seen = 0u;
     uint first = clipped ? push.triangle_slots + piece_bases[slot] : slot;
     for (uint piece = 0u; piece < records; ++piece) seen += visible[first + piece];
     records = seen;
 #endif
-    sum += uvec3(records * hull, pieces, records);
+    sum += uvec4(records * hull, pieces, records, small ? records : 0u);
   }
   sums[chunk] = sum;
 }

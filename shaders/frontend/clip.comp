@@ -60,6 +60,7 @@ void main() {
 #ifdef EMIT
     // All pieces are drawn as two triangles, the second of which may be empty.
     if (hull == 1u) record.depth2.yz = record.hull01.xy;
+    record.depth2.w = slot;
     record.hull2_id.zw = uvec2(first_index, chunk.range.z);
     record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0u) | chunk.range.w << RECORD_MATERIAL_SHIFT;
     uint piece = piece_bases[slot] + pieces;
@@ -69,6 +70,6 @@ void main() {
   }
 #ifdef COUNT
   // The top bit says that the records are pieces, behind the slots.
-  counts[slot] = pieces | 0x80000000u;
+  counts[slot] = pieces | COUNT_CLIPPED;
 #endif
 }

@@ -5,7 +5,7 @@
 // Reads: batches (first chunk, one past the last), scanned sums. Writes: VkDrawIndexedIndirectCommand.
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 1, scalar) readonly buffer Batches { uvec2 batches[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec3 sums[]; };
+layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec4 sums[]; };
 struct DrawCommand {
   uint index_count, instance_count, first_index;
   int vertex_offset;

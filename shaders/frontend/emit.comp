@@ -1,20 +1,24 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: ALL= VISIBLE=-DVISIBLE
+// variants: ALL= VISIBLE=-DVISIBLE REST=-DREST
 // Writes the index buffer of the hulls in submission order and where each clipped triangle's pieces go; one invocation
 // for each chunk.
-// VISIBLE leaves out the triangles that own no sample.
-// Reads: counts, scanned sums; VISIBLE, the flags. Writes: hull indices (4 * record + corner); ALL, piece bases.
+// VISIBLE leaves out the triangles that own no sample; REST the small ones, which it lists.
+// Reads: counts, scanned sums; VISIBLE, the flags. Writes: hull indices (4 * record + corner); ALL, piece bases; REST, the
+// records of the small triangles.
 layout(local_size_x = 64) in;
 #include "frontend/frontend_types.h"
 
 layout(set = 0, binding = 1, scalar) readonly buffer Counts { uint counts[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec3 sums[]; };
+layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec4 sums[]; };
 layout(set = 0, binding = 3, scalar) writeonly buffer HullIndices { uint hull_indices[]; };
 #ifdef VISIBLE
 layout(set = 0, binding = 4, scalar) readonly buffer PieceBases { uint piece_bases[]; };
 layout(set = 0, binding = 5, scalar) readonly buffer Visible { uint visible[]; };
+#elif defined(REST)
+layout(set = 0, binding = 4, scalar) readonly buffer PieceBases { uint piece_bases[]; };
+layout(set = 0, binding = 5, scalar) writeonly buffer SmallRecords { uint small_records[]; };
 #else
 layout(set = 0, binding = 4, scalar) writeonly buffer PieceBases { uint piece_bases[]; };
 #endif
@@ -22,19 +26,21 @@ layout(push_constant, scalar) uniform Push {
   uint chunk_count;
   uint triangle_slots;
   uint hull_capacity;
+  uint small_capacity;
 } push;
 
 void main() {
   uint chunk = gl_GlobalInvocationID.x;
   if (chunk >= push.chunk_count) return;
-  uint out_hull = sums[chunk].x, out_piece = sums[chunk].y;
+  uint out_hull = sums[chunk].x, out_piece = sums[chunk].y, out_small = sums[chunk].w;
   for (uint k = 0u; k < SUBPIXEL_CHUNK_TRIANGLES; ++k) {
     uint slot = chunk * SUBPIXEL_CHUNK_TRIANGLES + k;
     uint count = counts[slot];
-    bool clipped = count > 0x7fffffffu;
-    uint pieces = clipped ? count & 0x7fffffffu : min(count, 1u);
+    bool clipped = (count & COUNT_CLIPPED) != 0u, small = (count & COUNT_SMALL) != 0u;
+    count &= COUNT_MASK;
+    uint pieces = clipped ? count : min(count, 1u);
     uint hull = clipped ? 2u : count;
-#ifdef VISIBLE
+#if defined(VISIBLE) || defined(REST)
     if (clipped) out_piece = piece_bases[slot];
 #else
     if (clipped) piece_bases[slot] = out_piece;
@@ -43,6 +49,13 @@ void main() {
       uint record = clipped ? push.triangle_slots + out_piece + piece : slot;
 #ifdef VISIBLE
       if (visible[record] == 0u) continue;
+#endif
+#ifdef REST
+      if (small) {
+        if (out_small < push.small_capacity) small_records[out_small] = record;
+        ++out_small;
+        continue;
+      }
 #endif
       for (uint t = 0u; t < hull; ++t) {
         if (out_hull < push.hull_capacity) {

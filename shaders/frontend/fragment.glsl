@@ -34,6 +34,7 @@ layout(location = 14) in flat vec4 in_tangent2;
 #endif
 
 uint fragment_triangle() { return in_ids.y; }
+uint fragment_slot() { return in_ids.z; }  // in submission order, unlike the records of clipped pieces
 
 PixelEdges fragment_edges(ivec2 pixel) {
   return pixel_edges(ivec2(in_v01.xy), ivec2(in_v01.zw), ivec2(in_v2_ref.xy), pixel,

@@ -36,7 +36,7 @@ struct TriangleRecord {
   uvec4 v01;       // int bits: snapped vertices 0 and 1, 1/256 pixel
   uvec4 v2_ref;    // int bits: snapped vertex 2; then reference pixel x | y << 16; then RECORD_ bits | material
   uvec4 depth;     // float bits: z at the reference pixel's centre, dz/dx, dz/dy per pixel, smallest z of the triangle
-  uvec4 depth2;    // float bits: largest z of the triangle; then corner 3 of the hull, if it has one
+  uvec4 depth2;    // float bits: largest z of the triangle; then corner 3 of the hull, if it has one; slot of the source triangle
 };
 #define RECORD_BACK_FACE 1u
 #define RECORD_MIRRORED 2u
@@ -44,6 +44,12 @@ struct TriangleRecord {
 #define RECORD_LARGE 4u  // over SUBPIXEL_SMALL_PX pixels wide or high
 #define RECORD_HUGE 8u   // over SUBPIXEL_LARGE_PX
 #define RECORD_MATERIAL_SHIFT 4
+// Screen triangles whose samples lie in no more pixels than this are small: the visibility pass may rasterise them in compute.
+#define SUBPIXEL_SMALL_TRIANGLE_PX 128.0
+// What set-up says of a triangle's slot: how many triangles its hull has, or how many clipped pieces there are.
+#define COUNT_CLIPPED 0x80000000u
+#define COUNT_SMALL 0x40000000u
+#define COUNT_MASK 0x3fffffffu
 #define SUBPIXEL_SMALL_PX 60
 #define SUBPIXEL_LARGE_PX 4000
 

@@ -40,7 +40,7 @@ void main() {
   out_v01 = push.records.record[record].v01;
   out_v2_ref = v2_ref;
   out_depth = push.records.record[record].depth;
-  out_ids = uvec4(depth2.x, record, 0u, 0u);
+  out_ids = uvec4(depth2.x, record, depth2.w, 0u);
 #ifdef WITH_UV
   mat4 clip_from_object = push.clip_matrices.clip_from_object[hull2_id.w];
   vec3 clip[3];

@@ -24,7 +24,7 @@ layout(push_constant, scalar) uniform Push {
   ClipMatrices clip_matrices;
   Instances instances;
   uint material;      // of the batch being drawn
-  uint sample_group;  // passes that handle some of the samples: which
+  uint triangle_slots;  // records of clipped pieces start here
 } push;
 
 const uint kUvFeatures = FEATURE_BASE_TEXTURE | FEATURE_NORMAL_MAP | FEATURE_ROUGHNESS_TEXTURE | FEATURE_EMISSIVE_TEXTURE;

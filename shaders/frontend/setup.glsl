@@ -163,6 +163,16 @@ uint set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, o
   return alive ? triangles : 0u;
 }
 
+// About how many pixels have their centre within the pattern's reach of a whole triangle.
+float pixels_reached(TriangleRecord record) {
+  vec2 v0 = vec2(ivec2(record.v01.xy)) / 256.0, v1 = vec2(ivec2(record.v01.zw)) / 256.0;
+  vec2 v2 = vec2(ivec2(record.v2_ref.xy)) / 256.0;
+  vec2 size = max(max(v0, v1), v2) - min(min(v0, v1), v2);
+  float area = 0.5 * abs((v1.x - v0.x) * (v2.y - v0.y) - (v2.x - v0.x) * (v1.y - v0.y));
+  float across = 2.0 * sample_reach();
+  return area + across * (size.x + size.y) + across * across;
+}
+
 // Signed distances to the six clip planes: near (reversed depth: z <= w), far (z >= 0), and the guard band.
 // Inside when not negative.
 float plane_distance(uint plane, vec4 c) {

@@ -2,14 +2,14 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: 1=-DGROUP=1 4=-DGROUP=4 8=-DGROUP=8 16=-DGROUP=16 1A=-DGROUP=1,-DWITH_UV 4A=-DGROUP=4,-DWITH_UV 8A=-DGROUP=8,-DWITH_UV 16A=-DGROUP=16,-DWITH_UV
+// variants: 1=-DGROUP=1 2=-DGROUP=2 4=-DGROUP=4 8=-DGROUP=8 16=-DGROUP=16 1A=-DGROUP=1,-DWITH_UV 2A=-DGROUP=2,-DWITH_UV 4A=-DGROUP=4,-DWITH_UV 8A=-DGROUP=8,-DWITH_UV 16A=-DGROUP=16,-DWITH_UV
 // Nearest triangle of each sample: depth and triangle number of GROUP samples of the pattern, in primitive order, so that of
 // equal depths the first submitted stays.
-// Reads and writes: the attachments. GROUP 1: one of (depth bits, triangle); else GROUP / 4 of depth bits, then GROUP / 4 of
-// triangles, four samples in each. Reversed depths are not negative, so their bits compare like the numbers.
+// Reads and writes: the attachments. GROUP 1: one of (depth bits, triangle); 2: one of two depth bits and two triangles; else
+// GROUP / 4 of depth bits, then GROUP / 4 of triangles, four samples in each. Reversed depths are not negative, so their bits compare like the numbers.
 #include "frontend/fragment.glsl"
 
-#if GROUP == 1
+#if GROUP <= 2
 layout(input_attachment_index = 0, set = 0, binding = 24) uniform usubpassInput in_state;
 layout(location = 0) out uvec4 out_state;
 #else
@@ -44,20 +44,30 @@ layout(location = 7) out uvec4 out_id3;
 #endif
 
 layout(constant_id = 4) const uint SAMPLE_GROUP = 0u;  // which GROUP samples of the pattern
+// The attachments hold small triangles already (small.comp), of which those submitted later lose equal depths.
+layout(constant_id = 7) const bool AFTER_SMALL = false;
 
-// The depths of four samples where they are covered and nearer than `stored`, else `stored`.
-uvec4 nearer_depths(uvec4 stored, uint mask, uint first, DepthPlane plane) {
-  uvec4 result = stored;
-  for (uint i = 0u; i < 4u; ++i) {
-    uint z = floatBitsToUint(sample_depth(plane, sample_offset(SAMPLES, SAMPLE_GROUP * GROUP + first + i)));
-    bool nearer = (mask & (1u << (first + i))) != 0u && z > stored[i];
-    result[i] = nearer ? z : stored[i];
-  }
-  return result;
+uvec4 plane_depths(uint first, DepthPlane plane) {
+  uvec4 z;
+  for (uint i = 0u; i < 4u; ++i)
+    z[i] = floatBitsToUint(sample_depth(plane, sample_offset(SAMPLES, SAMPLE_GROUP * GROUP + first + i)));
+  return z;
 }
 
-uvec4 nearer_ids(uvec4 stored, uvec4 old_depth, uvec4 new_depth) {
-  return mix(stored, uvec4(fragment_triangle()), notEqual(old_depth, new_depth));
+bvec4 covered_four(uint mask, uint first) {
+  return notEqual(uvec4(mask) & (uvec4(1u, 2u, 4u, 8u) << first), uvec4(0u));
+}
+
+// Which of four samples the fragment takes. Triangles of this pass come in order; a stored one that is small and whole may have
+// been submitted later: its record is its slot, and a piece of a clipped triangle knows its own.
+bvec4 taken(uvec4 z, uvec4 stored, uvec4 stored_triangle, uint mask, uint first) {
+  bvec4 nearer = greaterThan(z, stored);
+  if (AFTER_SMALL) {
+    bvec4 earlier = lessThan(uvec4(fragment_slot()), stored_triangle);
+    bvec4 whole = lessThan(stored_triangle, uvec4(push.triangle_slots));
+    nearer = mix(nearer, earlier, mix(bvec4(false), equal(z, stored), whole));
+  }
+  return mix(bvec4(false), nearer, covered_four(mask, first));
 }
 
 void main() {
@@ -72,34 +82,50 @@ void main() {
   // Skipped, as a loop is, when no lane covers anything.
   for (bool go = mask != 0u; go; go = false) {
     DepthPlane plane = fragment_depth(pixel);
+    uvec4 own = uvec4(fragment_triangle());
+#if GROUP <= 2
+    uvec4 state = subpassLoad(in_state);
 #if GROUP == 1
-    uint z = floatBitsToUint(sample_depth(plane, sample_offset(SAMPLES, SAMPLE_GROUP)));
-    changed = z > subpassLoad(in_state).x;
-    out_state = uvec4(z, fragment_triangle(), 0u, 0u);
+    uvec4 old = uvec4(state.x, 0u, 0u, 0u), old_id = uvec4(state.y, 0u, 0u, 0u);
+    uvec4 z = uvec4(floatBitsToUint(sample_depth(plane, sample_offset(SAMPLES, SAMPLE_GROUP))), 0u, 0u, 0u);
 #else
-    uvec4 old0 = subpassLoad(in_depth0), new0 = nearer_depths(old0, mask, 0u, plane);
-    changed = old0 != new0;
-    out_depth0 = new0;
+    uvec4 old = uvec4(state.xy, 0u, 0u), old_id = uvec4(state.zw, 0u, 0u);
+    uvec4 z = uvec4(floatBitsToUint(sample_depth(plane, sample_offset(SAMPLES, 0u))),
+                    floatBitsToUint(sample_depth(plane, sample_offset(SAMPLES, 1u))), 0u, 0u);
+#endif
+    bvec4 take = taken(z, old, old_id, mask, 0u);
+    changed = any(take);
+    z = mix(old, z, take);
+    own = mix(old_id, own, take);
+    out_state = GROUP == 1 ? uvec4(z.x, own.x, 0u, 0u) : uvec4(z.xy, own.xy);
+#else
+    uvec4 old0 = subpassLoad(in_depth0), z0 = plane_depths(0u, plane);
+    bvec4 take0 = taken(z0, old0, AFTER_SMALL ? subpassLoad(in_id0) : uvec4(0u), mask, 0u);
+    changed = any(take0);
+    out_depth0 = mix(old0, z0, take0);
 #if GROUP >= 8
-    uvec4 old1 = subpassLoad(in_depth1), new1 = nearer_depths(old1, mask, 4u, plane);
-    changed = changed || old1 != new1;
-    out_depth1 = new1;
+    uvec4 old1 = subpassLoad(in_depth1), z1 = plane_depths(4u, plane);
+    bvec4 take1 = taken(z1, old1, AFTER_SMALL ? subpassLoad(in_id1) : uvec4(0u), mask, 4u);
+    changed = changed || any(take1);
+    out_depth1 = mix(old1, z1, take1);
 #endif
 #if GROUP == 16
-    uvec4 old2 = subpassLoad(in_depth2), new2 = nearer_depths(old2, mask, 8u, plane);
-    uvec4 old3 = subpassLoad(in_depth3), new3 = nearer_depths(old3, mask, 12u, plane);
-    changed = changed || old2 != new2 || old3 != new3;
-    out_depth2 = new2;
-    out_depth3 = new3;
+    uvec4 old2 = subpassLoad(in_depth2), z2 = plane_depths(8u, plane);
+    bvec4 take2 = taken(z2, old2, AFTER_SMALL ? subpassLoad(in_id2) : uvec4(0u), mask, 8u);
+    uvec4 old3 = subpassLoad(in_depth3), z3 = plane_depths(12u, plane);
+    bvec4 take3 = taken(z3, old3, AFTER_SMALL ? subpassLoad(in_id3) : uvec4(0u), mask, 12u);
+    changed = changed || any(take2) || any(take3);
+    out_depth2 = mix(old2, z2, take2);
+    out_depth3 = mix(old3, z3, take3);
 #endif
     for (bool write = changed; write; write = false) {
-      out_id0 = nearer_ids(subpassLoad(in_id0), old0, new0);
+      out_id0 = mix(subpassLoad(in_id0), own, take0);
 #if GROUP >= 8
-      out_id1 = nearer_ids(subpassLoad(in_id1), old1, new1);
+      out_id1 = mix(subpassLoad(in_id1), own, take1);
 #endif
 #if GROUP == 16
-      out_id2 = nearer_ids(subpassLoad(in_id2), old2, new2);
-      out_id3 = nearer_ids(subpassLoad(in_id3), old3, new3);
+      out_id2 = mix(subpassLoad(in_id2), own, take2);
+      out_id3 = mix(subpassLoad(in_id3), own, take3);
 #endif
     }
 #endif

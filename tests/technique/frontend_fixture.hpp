@@ -208,7 +208,7 @@ struct VisibleSample {
 class FrontendRun {
  public:
   FrontendRun(gpu::Device& device, capture::Capture recorded, std::uint32_t image_width, std::uint32_t image_height,
-              std::uint32_t samples_per_pixel)
+              std::uint32_t samples_per_pixel, SmallTriangles small = SmallTriangles::automatic)
       : width(image_width),
         height(image_height),
         samples(samples_per_pixel),
@@ -219,7 +219,7 @@ class FrontendRun {
     scene.set_frame(0, width, height);
     frontend.prepare(samples);
     frontend.record_setup(recorder);
-    visibility = &record_visibility(recorder, setup());
+    visibility = &record_visibility(recorder, setup(), small);
     buffer_ = gpu::Buffer(device, "samples", std::uint64_t{width} * height * samples * sizeof(VisibleSample));
     gpu::ComputePass read;
     read.name = "read";

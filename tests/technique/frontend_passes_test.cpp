@@ -118,6 +118,49 @@ TEST_P(SecondPass, WritesTheSurfaceOfEveryVisibleSample) {
   fmt::print("{:2} samples: {} visible, {} without a surface\n", n, covered, missing);
 }
 
+// Triangles of all sizes, of which many lie in others' planes, and pieces of clipped ones among them.
+capture::Capture tied_triangles(Numbers& numbers) {
+  std::vector<ScreenTriangle> triangles;
+  for (int i = 0; i < 6000; ++i) {
+    ScreenTriangle t;
+    const std::int64_t size = i % 50 == 0 ? std::int64_t{1} << 22 : std::int64_t{64} << numbers.whole(0, 7);
+    const std::int64_t x = numbers.whole(0, 256 * kSide), y = numbers.whole(0, 256 * kSide);
+    const auto level = static_cast<float>(numbers.whole(1, 4)) / 8;
+    for (int k = 0; k < 3; ++k) {
+      t.corner[k].x = x + numbers.whole(-size, size);
+      t.corner[k].y = y + numbers.whole(-size, size);
+      t.z[k] = level;
+    }
+    triangles.push_back(t);
+  }
+  return screen_capture(triangles, kSide, kSide);
+}
+
+TEST_P(SecondPass, SmallTrianglesLeaveTheSameBitsInComputeAndAsHulls) {
+  const std::uint32_t n = GetParam();
+  gpu::Device device;
+  for (const bool tied : {false, true}) {
+    std::vector<VisibleSample> seen[2];
+    for (const bool compute : {false, true}) {
+      Numbers numbers(17 + n);
+      FrontendRun run(device, tied ? tied_triangles(numbers) : coloured_triangles(numbers, 400), kSide, kSide, n,
+                      compute ? SmallTriangles::in_compute : SmallTriangles::as_hulls);
+      run.run();
+      EXPECT_GT(run.frontend.small_count(), 1000u);
+      EXPECT_LT(run.frontend.small_count(), run.frontend.hull_count());
+      EXPECT_EQ(run.frontend.clipped_count() > 0, tied);
+      seen[compute ? 1 : 0].assign(run.seen().begin(), run.seen().end());
+    }
+    std::uint64_t other_triangle = 0, other_depth = 0;
+    for (std::size_t i = 0; i < seen[0].size(); ++i) {
+      other_triangle += seen[0][i].triangle != seen[1][i].triangle ? 1 : 0;
+      other_depth += seen[0][i].depth_bits != seen[1][i].depth_bits ? 1 : 0;
+    }
+    EXPECT_EQ(other_triangle, 0u) << (tied ? "tied" : "tilted");
+    EXPECT_EQ(other_depth, 0u) << (tied ? "tied" : "tilted");
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Samples, SecondPass, testing::Values(1u, 4u, 8u, 16u, 64u));
 
 }  // namespace
