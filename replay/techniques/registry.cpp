@@ -5,11 +5,11 @@
 
 namespace subpixel::replay {
 
-extern const Technique kNoaa, kFxaa, kForward, kMsaa, kSimpleComplex, kStreaming;
+extern const Technique kNoaa, kFxaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming;
 
 std::span<const Technique* const> techniques() {
   static constexpr const Technique* kAll[] = {
-      &kNoaa, &kFxaa, &kForward, &kMsaa, &kSimpleComplex, &kStreaming,
+      &kNoaa, &kFxaa, &kForward, &kMsaa, &kSimpleComplex, &kSbaa, &kStreaming,
   };
   return kAll;
 }

@@ -1,0 +1,46 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Shades the kept surfaces of a pixel; the samples of those that were not kept are left out of the mean.
+// Reads: visibility (slot 0), surfaces (slot 1), their G-buffer (slot 2), samples not kept (slot 3), shadow map.
+// Writes: rgb the sum of the samples' resolvable values, a the lighting executions.
+#include "include/lights.glsl"
+#include "include/packing.glsl"
+#include "include/resolve.glsl"
+#include "include/visibility.glsl"
+#include "frontend/sample_patterns.h"
+#include "techniques/sbaa/surface_words.glsl"
+
+layout(constant_id = 0) const uint SAMPLES = 8u;
+layout(constant_id = 7) const uint SURFACES = 4u;
+layout(set = 0, binding = 13) uniform usampler2D surfaces;
+layout(set = 0, binding = 14) uniform usampler2DArray gbuffer;
+layout(set = 0, binding = 15) uniform usampler2D dropped;
+layout(location = 0) out vec4 out_sum;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  uvec4 texel = texelFetch(surfaces, pixel, 0);
+  uint uncovered = SAMPLES - texelFetch(dropped, pixel, 0).x;
+  vec3 sum = vec3(0.0);
+  float executions = 0.0;
+  uint weight = 0u;
+  for (uint k = 0u; k < SURFACES; ++k) {
+    uint word = stored_surface(texel, k);
+    // A loop, so that groups of pixels that have no such surface skip the lighting.
+    for (bool stored = word != 0u; stored; stored = false) {
+      uint s = surface_first(word);
+      vec2 position = vec2(pixel) + 0.5 + vec2(sample_offset(SAMPLES, s)) * (1.0 / 128.0);
+      uint depth = visible_depths(pixel, SAMPLES, s / 4u)[s & 3u];
+      Surface surface = unpack_surface(texelFetch(gbuffer, ivec3(pixel, k), 0));
+      surface.position = world_position(position, uintBitsToFloat(depth));
+      vec3 value = resolvable(shade(surface, normalize(frame.eye.xyz - surface.position)));
+      sum += value * float(surface_samples(word));
+      weight += surface_samples(word);
+      executions += 1.0;
+    }
+  }
+  uncovered -= weight;
+  weight += uncovered;
+  sum += resolvable(frame.sky.rgb) * float(uncovered);
+  out_sum = vec4(sum * (float(SAMPLES) / float(weight)), executions);
+}

@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// The G-buffer samples of the kept surfaces: a fragment whose first visible sample is a kept surface's first is stored.
+// Reads: visibility (slot 0), surfaces (slot 1).
+// Writes: 16 bytes as in packing.glsl to the surface's layer. One fragment at most writes a texel, so they need no order.
+#define WITH_UV
+#define WITH_ATTRIBUTES
+#include "frontend/fragment.glsl"
+#include "include/packing.glsl"
+#include "include/visibility.glsl"
+#include "techniques/sbaa/surface_words.glsl"
+
+layout(constant_id = 7) const uint SURFACES = 4u;
+layout(set = 0, binding = 13) uniform usampler2D surfaces;
+layout(set = 0, binding = 20, rgba32ui) writeonly uniform uimage2DArray out_surfaces;
+
+void main() {
+  ivec2 pixel = pixel_of(gl_FragCoord.xy);
+  uvec4 own = uvec4(fragment_triangle());
+  uint shown = 0u;
+  for (uint quad = 0u; quad < SAMPLES / 4u; ++quad) {
+    bvec4 same = equal(visible_triangles(pixel, SAMPLES, quad), own);
+    uvec4 bits = mix(uvec4(0u), uvec4(1u, 2u, 4u, 8u), same);
+    shown |= (bits.x | bits.y | bits.z | bits.w) << 4u * quad;
+  }
+  uint layer = SURFACES;
+  for (bool go = shown != 0u; go; go = false) {
+    uvec4 texel = texelFetch(surfaces, pixel, 0);
+    uint first = uint(findLSB(shown));
+    for (uint k = 0u; k < SURFACES; ++k) {
+      uint word = stored_surface(texel, k);
+      layer = word != 0u && surface_first(word) == first ? k : layer;
+    }
+  }
+  for (bool go = layer < SURFACES; go; go = false) {
+    uvec4 packed = pack_surface(fragment_surface(pixel, shading_offset(fragment_edges(pixel), SAMPLES)));
+    imageStore(out_surfaces, ivec3(pixel, layer), packed);
+  }
+}

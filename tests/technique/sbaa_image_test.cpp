@@ -1,0 +1,157 @@
+// `sbaa` against `forward`, which shades all surfaces it could keep, and against what it says of itself.
+#include <algorithm>
+
+#include "tests/technique/technique_run.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+constexpr std::uint32_t kWidth = 61, kHeight = 37;
+
+TechniqueRun sbaa(const ParameterValues& parameters) {
+  return run_technique(little_grass(), "sbaa", parameters, kWidth, kHeight);
+}
+
+TEST(Sbaa, WithoutMergingOrDroppingItShadesWhatForwardDoes) {
+  const TechniqueRun run = sbaa({{"mode", "id"}, {"surfaces", 8}, {"samples", 8}});
+  const TechniqueRun forward = run_technique(little_grass(), "forward", {{"samples", 8}}, kWidth, kHeight);
+  expect_valid(run, 8);
+  std::size_t collisions = 0;
+  for (std::size_t i = 0; i < run.radiance.size(); ++i) {
+    ASSERT_EQ(run.maps.at("dropped")[i], 0u);
+    ASSERT_LE(run.radiance[i].w, forward.radiance[i].w) << "pixel " << i;
+    collisions += run.radiance[i].w != forward.radiance[i].w ? 1 : 0;
+  }
+  // Two of a pixel's k triangles share one of 256 hashes in about k (k - 1) / 512 of the pixels.
+  EXPECT_LT(collisions, run.radiance.size() / 20);
+  EXPECT_LT(mean_squared_difference(run, forward), 1e-3);
+}
+
+TEST(Sbaa, FewerSurfacesCostQuality) {
+  const TechniqueRun exact = run_technique(little_grass(), "forward", {{"samples", 8}}, kWidth, kHeight);
+  double error = 1;
+  for (const int surfaces : {1, 2, 4, 8}) {
+    const TechniqueRun run = sbaa({{"mode", "id"}, {"surfaces", surfaces}});
+    expect_valid(run, static_cast<std::uint32_t>(surfaces));
+    const double now = mean_squared_difference(run, exact);
+    EXPECT_LT(now, error) << surfaces;
+    error = now;
+  }
+}
+
+TEST(Sbaa, CountsAddUp) {
+  for (const int samples : {4, 8, 16, 32}) {
+    const TechniqueRun run = sbaa({{"samples", samples}, {"surfaces", 3}});
+    const TechniqueRun msaa = run_technique(little_grass(), "msaa", {{"samples", samples}}, kWidth, kHeight);
+    for (std::size_t i = 0; i < run.radiance.size(); ++i) {
+      ASSERT_EQ(static_cast<float>(run.maps.at("surfaces")[i]), run.radiance[i].w);
+      ASSERT_EQ(run.maps.at("surfaces")[i] == 0, msaa.radiance[i].w == 0);
+      // The largest surfaces are kept: at least their share of the covered samples.
+      ASSERT_LE(static_cast<float>(run.maps.at("dropped")[i]), msaa.radiance[i].w - run.radiance[i].w);
+    }
+  }
+}
+
+TEST(Sbaa, MergingShadesLess) {
+  const TechniqueRun merged = sbaa({{"surfaces", 8}}), wide = sbaa({{"surfaces", 8}, {"normal_angle", 3.0}});
+  const TechniqueRun all = sbaa({{"surfaces", 8}, {"mode", "id"}});
+  EXPECT_LT(merged.executions(), all.executions());
+  EXPECT_LT(wide.executions(), merged.executions());
+}
+
+TEST(Sbaa, TrianglesOfOnePlaneAreOneSurface) {
+  capture::Capture capture = flat_capture(16, 16);
+  add_triangles(capture, rectangle(-1, -1, 1, 1, 0), add_emitter(capture, {0.5f, 1, 2}));
+  const TechniqueRun merged = run_technique(capture, "sbaa", {}, 16, 16);
+  const TechniqueRun all = run_technique(capture, "sbaa", {{"mode", "id"}}, 16, 16);
+  const TechniqueRun msaa = run_technique(capture, "msaa", {}, 16, 16);
+  EXPECT_TRUE(std::ranges::all_of(merged.maps.at("surfaces"), [](auto count) { return count == 1; }));
+  EXPECT_EQ(all.executions(), 16 * 16 + 16);  // two on the diagonal
+  for (std::size_t i = 0; i < msaa.radiance.size(); ++i) {
+    EXPECT_NEAR(merged.radiance[i].x, msaa.radiance[i].x, 1e-6f);
+    EXPECT_NEAR(all.radiance[i].z, msaa.radiance[i].z, 1e-6f);
+  }
+}
+
+// Surfaces of the pixel column in which two walls meet: x < 0 slopes away from the viewer by `left` radians, x > 0 by
+// `right`, and `step` is how much nearer the right one is where they meet. `turned` winds the left one the other way.
+std::uint32_t surfaces_where_walls_meet(float left, float right, float step, const ParameterValues& parameters,
+                                        bool turned = false, bool mirrored = false) {
+  capture::Capture capture = flat_capture(15, 3);
+  const float l = -0.5f * std::tan(left), r = step - 0.5f * std::tan(right);
+  std::vector<float> a{-0.5f, -1, l, 0, -1, 0, 0, 1, 0, -0.5f, -1, l, 0, 1, 0, -0.5f, 1, l};
+  const std::vector<float> b{0, -1, step, 0.5f, -1, r, 0.5f, 1, r, 0, -1, step, 0.5f, 1, r, 0, 1, step};
+  if (turned)
+    for (const std::size_t triangle : {0u, 9u}) std::swap_ranges(&a[triangle], &a[triangle + 3], &a[triangle + 3]);
+  const auto material = add_emitter(capture, {1, 1, 1});
+  capture.materials[material].two_sided = true;
+  capture::Draw& left_wall = add_triangles(capture, a, material);
+  if (mirrored) {
+    for (std::size_t corner = 0; corner < a.size(); corner += 3) a[corner] *= -1;
+    left_wall.position.buffer = add_buffer(capture, a);
+    left_wall.transform[0] = -1;
+  }
+  add_triangles(capture, b, material);
+  const TechniqueRun run = run_technique(capture, "sbaa", parameters, 15, 3);
+  // Column 7 of the middle row; its diagonals are elsewhere.
+  return run.maps.at("surfaces")[15 + 7];
+}
+
+TEST(Sbaa, AlignedNormalsMerge) {
+  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.71}}), 1u);
+  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.69}}), 2u);
+  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.71}, {"mode", "id"}}), 2u);
+  // The same wherever the wall's triangles are wound to: normals are those of the visible side.
+  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.71}}, true), 1u);
+  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.69}}, true), 2u);
+  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.71}}, false, true), 1u);
+  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.69}}, false, true), 2u);
+  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.71}}, true, true), 1u);
+}
+
+TEST(Sbaa, OverlappingDepthsMerge) {
+  // A pixel is 2/15 wide: walls at 0.1 radians reach 0.5 * 2/15 * tan 0.1 in depth from a sample, each.
+  EXPECT_EQ(surfaces_where_walls_meet(0.1f, 0.1f, 0.02f, {}), 1u);
+  EXPECT_EQ(surfaces_where_walls_meet(0.1f, 0.1f, 0.1f, {}), 2u);
+  EXPECT_EQ(surfaces_where_walls_meet(0, 0, 0.001f, {}), 2u);
+}
+
+TEST(Sbaa, DroppedSamplesDoNotShowTheSky) {
+  // Four strips of white, each two primitives, share a column of pixels over a black sky: with one surface kept, the
+  // column stays white.
+  capture::Capture capture = flat_capture(8, 8);
+  const auto white = add_emitter(capture, {1, 1, 1});
+  for (const float x : {0.0f, 0.0625f, 0.125f, 0.1875f})
+    add_triangles(capture, rectangle(x, -1, x + 0.0625f, 1, 0), white);
+  const TechniqueRun run = run_technique(capture, "sbaa", {{"surfaces", 1}, {"mode", "id"}}, 8, 8);
+  const TechniqueRun msaa = run_technique(capture, "msaa", {}, 8, 8);
+  for (std::size_t i = 0; i < msaa.radiance.size(); ++i) {
+    ASSERT_EQ(msaa.radiance[i].w, i % 8 == 4 ? 8 : 0);
+    EXPECT_NEAR(run.radiance[i].x, msaa.radiance[i].x, 1e-6f) << "pixel " << i;
+    EXPECT_EQ(run.maps.at("dropped")[i] > 0, i % 8 == 4);
+  }
+}
+
+TEST(Sbaa, MemoryIsThatOfThePapers) {
+  // n (depth + 1 byte) + S (16 + 2 bytes).
+  EXPECT_EQ(sbaa({{"samples", 8}, {"surfaces", 4}}).paper_bytes_per_pixel, 8 * 5 + 4 * 18);
+  EXPECT_EQ(sbaa({{"samples", 4}, {"surfaces", 2}}).paper_bytes_per_pixel, 4 * 5 + 2 * 18);
+}
+
+TEST(Sbaa, PlainSky) {
+  expect_plain_sky("sbaa", {});
+}
+TEST(Sbaa, SameOnAllThreads) {
+  expect_same_on_all_threads("sbaa", {});
+}
+
+TEST(Sbaa, RefusesParametersOutOfRange) {
+  expect_refused("sbaa", {{"samples", 64}});
+  expect_refused("sbaa", {{"surfaces", 0}});
+  expect_refused("sbaa", {{"surfaces", 9}});
+  expect_refused("sbaa", {{"mode", "both"}});
+  expect_refused("sbaa", {{"normal_angle", 4}});
+}
+
+}  // namespace
+}  // namespace subpixel::replay
