@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "tests/technique/technique_run.hpp"
+#include "tests/technique/walls.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -73,47 +74,27 @@ TEST(Sbaa, TrianglesOfOnePlaneAreOneSurface) {
   }
 }
 
-// Surfaces of the pixel column in which two walls meet: x < 0 slopes away from the viewer by `left` radians, x > 0 by
-// `right`, and `step` is how much nearer the right one is where they meet. `turned` winds the left one the other way.
-std::uint32_t surfaces_where_walls_meet(float left, float right, float step, const ParameterValues& parameters,
-                                        bool turned = false, bool mirrored = false) {
-  capture::Capture capture = flat_capture(15, 3);
-  const float l = -0.5f * std::tan(left), r = step - 0.5f * std::tan(right);
-  std::vector<float> a{-0.5f, -1, l, 0, -1, 0, 0, 1, 0, -0.5f, -1, l, 0, 1, 0, -0.5f, 1, l};
-  const std::vector<float> b{0, -1, step, 0.5f, -1, r, 0.5f, 1, r, 0, -1, step, 0.5f, 1, r, 0, 1, step};
-  if (turned)
-    for (const std::size_t triangle : {0u, 9u}) std::swap_ranges(&a[triangle], &a[triangle + 3], &a[triangle + 3]);
-  const auto material = add_emitter(capture, {1, 1, 1});
-  capture.materials[material].two_sided = true;
-  capture::Draw& left_wall = add_triangles(capture, a, material);
-  if (mirrored) {
-    for (std::size_t corner = 0; corner < a.size(); corner += 3) a[corner] *= -1;
-    left_wall.position.buffer = add_buffer(capture, a);
-    left_wall.transform[0] = -1;
-  }
-  add_triangles(capture, b, material);
-  const TechniqueRun run = run_technique(capture, "sbaa", parameters, 15, 3);
-  // Column 7 of the middle row; its diagonals are elsewhere.
-  return run.maps.at("surfaces")[15 + 7];
+std::uint32_t surfaces_where(const Walls& walls, const ParameterValues& parameters) {
+  return run_technique(walls_that_meet(walls), "sbaa", parameters, Walls::kWidth, Walls::kHeight)
+      .maps.at("surfaces")[Walls::kMeetingPixel];
 }
 
 TEST(Sbaa, AlignedNormalsMerge) {
-  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.71}}), 1u);
-  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.69}}), 2u);
-  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.71}, {"mode", "id"}}), 2u);
-  // The same wherever the wall's triangles are wound to: normals are those of the visible side.
-  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.71}}, true), 1u);
-  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.69}}, true), 2u);
-  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.71}}, false, true), 1u);
-  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.69}}, false, true), 2u);
-  EXPECT_EQ(surfaces_where_walls_meet(0.3f, 0.4f, 0, {{"normal_angle", 0.71}}, true, true), 1u);
+  // Normals are those of the visible side, whichever way the triangles are wound.
+  for (const bool turned : {false, true})
+    for (const bool mirrored : {false, true}) {
+      const Walls walls{.left = 0.3f, .right = 0.4f, .turned = turned, .mirrored = mirrored};
+      EXPECT_EQ(surfaces_where(walls, {{"normal_angle", 0.71}}), 1u) << turned << mirrored;
+      EXPECT_EQ(surfaces_where(walls, {{"normal_angle", 0.69}}), 2u) << turned << mirrored;
+    }
+  EXPECT_EQ(surfaces_where({.left = 0.3f, .right = 0.4f}, {{"normal_angle", 0.71}, {"mode", "id"}}), 2u);
 }
 
 TEST(Sbaa, OverlappingDepthsMerge) {
-  // A pixel is 2/15 wide: walls at 0.1 radians reach 0.5 * 2/15 * tan 0.1 in depth from a sample, each.
-  EXPECT_EQ(surfaces_where_walls_meet(0.1f, 0.1f, 0.02f, {}), 1u);
-  EXPECT_EQ(surfaces_where_walls_meet(0.1f, 0.1f, 0.1f, {}), 2u);
-  EXPECT_EQ(surfaces_where_walls_meet(0, 0, 0.001f, {}), 2u);
+  // These walls change by 0.0067 in depth across a pixel; half of the step is depth.
+  EXPECT_EQ(surfaces_where({.left = 0.1f, .right = 0.1f, .step = 0.02f}, {}), 1u);
+  EXPECT_EQ(surfaces_where({.left = 0.1f, .right = 0.1f, .step = 0.1f}, {}), 2u);
+  EXPECT_EQ(surfaces_where({.step = 0.001f}, {}), 2u);
 }
 
 TEST(Sbaa, DroppedSamplesDoNotShowTheSky) {

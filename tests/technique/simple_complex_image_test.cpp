@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tests/technique/technique_run.hpp"
+#include "tests/technique/walls.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -63,6 +64,25 @@ TEST(SimpleComplex, MaterialsMakePixelsComplex) {
   const TechniqueRun run = run_technique(capture, "simple_complex", {{"samples", 8}}, 15, 15);
   for (std::size_t i = 0; i < run.radiance.size(); ++i)
     EXPECT_EQ(run.maps.at("complex")[i], i % 15 == 7 ? 1u : 0u) << i;
+}
+
+std::uint32_t complex_where(const Walls& walls, const ParameterValues& parameters) {
+  return run_technique(walls_that_meet(walls), "simple_complex", parameters, Walls::kWidth, Walls::kHeight)
+      .maps.at("complex")[Walls::kMeetingPixel];
+}
+
+TEST(SimpleComplex, AnglesMakePixelsComplex) {
+  EXPECT_EQ(complex_where({.left = 0.07f, .right = 0.07f}, {}), 0u);  // cos 0.14 = 0.9902
+  EXPECT_EQ(complex_where({.left = 0.07f, .right = 0.08f}, {}), 1u);  // cos 0.15 = 0.9888
+  EXPECT_EQ(complex_where({.left = 0.07f, .right = 0.08f}, {{"normal_threshold", 0.988}}), 0u);
+}
+
+TEST(SimpleComplex, DepthsMakePixelsComplex) {
+  // These walls change by 0.0033 in depth across a pixel; half of the step is depth.
+  EXPECT_EQ(complex_where({.left = 0.05f, .right = 0.05f, .step = 0.003f}, {}), 0u);
+  EXPECT_EQ(complex_where({.left = 0.05f, .right = 0.05f, .step = 0.003f}, {{"depth_threshold", 0.3}}), 1u);
+  EXPECT_EQ(complex_where({.left = 0.05f, .right = 0.05f, .step = 0.02f}, {}), 1u);
+  EXPECT_EQ(complex_where({.left = 0.05f, .right = 0.05f, .step = 0.02f}, {{"depth_threshold", 5}}), 0u);
 }
 
 TEST(SimpleComplex, ThresholdsDecideHowManyPixelsAreComplex) {
