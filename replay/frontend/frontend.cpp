@@ -353,8 +353,9 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
                                                   : material_commands_;
   gpu::Buffer& indices = geometry.without_small ? rest_indices_ : visible_only ? visible_indices_ : hull_indices_;
   pass.indices_and_indirect = {&indices, &commands};
-  pass.by_address = {&records_,        &scene_.positions, &scene_.normals, &scene_.uvs,
-                     &scene_.tangents, &scene_.indices,   &clip_matrices_, &scene_.instances};
+  pass.by_address.insert(pass.by_address.end(),
+                         {&records_, &scene_.positions, &scene_.normals, &scene_.uvs, &scene_.tangents, &scene_.indices,
+                          &clip_matrices_, &scene_.instances});
 
   const auto& batches = geometry.by_material ? material_batches_ : visibility_batches_;
   pass.draws = [this, push, opaque, alpha, &batches, &commands, &indices,

@@ -10,8 +10,8 @@ namespace subpixel::replay {
 enum class SmallTriangles { automatic, as_hulls, in_compute };
 
 // Records the passes, named "visibility", and the front-end's compaction to visible triangles; returns the image
-// (RGBA32UI array, layers as shaders/include/visibility.glsl reads them). `samples` is 1, 4, 8, 16, 32 or 64 and what
-// the front-end was prepared for.
+// (RGBA32UI array, layers as shaders/include/visibility.glsl reads them). `samples` is 1, 2, 4, 8, 16, 32 or 64 and
+// what the front-end was prepared for.
 gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& setup,
                               SmallTriangles small = SmallTriangles::automatic);
 

@@ -5,11 +5,11 @@
 
 namespace subpixel::replay {
 
-extern const Technique kNoaa, kFxaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming;
+extern const Technique kFxaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming, kLinkedList;
 
 std::span<const Technique* const> techniques() {
   static constexpr const Technique* kAll[] = {
-      &kNoaa, &kFxaa, &kForward, &kMsaa, &kSimpleComplex, &kSbaa, &kStreaming,
+      &kFxaa, &kForward, &kMsaa, &kSimpleComplex, &kSbaa, &kStreaming, &kLinkedList,
   };
   return kAll;
 }

@@ -17,7 +17,7 @@ void main() {
   }
   // Neighbouring samples mostly see the same triangle: one store for each run of them, skipped where no lane has one.
   uint last = SUBPIXEL_NO_TRIANGLE;
-  for (uint quad = 0u; quad < SAMPLES / 4u; ++quad) {
+  for (uint quad = 0u; quad < (SAMPLES + 3u) / 4u; ++quad) {
     uvec4 triangles = visible_triangles(pixel, SAMPLES, quad);
     for (uint i = 0u; i < 4u; ++i) {
       uint triangle = triangles[i];

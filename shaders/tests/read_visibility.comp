@@ -18,8 +18,8 @@ void main() {
     samples[place] = visible_sample(pixel);
     return;
   }
-  for (uint quad = 0u; quad < SAMPLES / 4u; ++quad) {
+  for (uint quad = 0u; quad < (SAMPLES + 3u) / 4u; ++quad) {
     uvec4 depths = visible_depths(pixel, SAMPLES, quad), triangles = visible_triangles(pixel, SAMPLES, quad);
-    for (uint i = 0u; i < 4u; ++i) samples[place * SAMPLES + 4u * quad + i] = uvec2(depths[i], triangles[i]);
+    for (uint i = 0u; i < min(4u, SAMPLES); ++i) samples[place * SAMPLES + 4u * quad + i] = uvec2(depths[i], triangles[i]);
   }
 }

@@ -1,0 +1,243 @@
+// Deferred shading of per-pixel lists: one block of attributes for each visible fragment instead of each sample. Every
+// pixel has a block; further fragments take blocks of a pool and are linked to it.
+// Fridvalszky and Toth, "Multisample Anti-Aliasing in Deferred Rendering", Eurographics 2020 short papers.
+// The publication hands out blocks by one atomic counter (`allocation=atomic`). Which fragments a full pool leaves
+// without a block then depends on how the device's threads ran. By default the lists are laid out before the geometry
+// pass, from the visibility that its depth pre-pass left, by counting and prefix sums: the same lists every run, and
+// the fragments with fewest samples are those that go without.
+#include "replay/techniques/linked_list.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "replay/frontend/visibility.hpp"
+#include "replay/techniques/deferred.hpp"
+#include "shaders/techniques/linked_list/linked_list_types.h"
+
+namespace subpixel::replay {
+namespace {
+
+constexpr VkFormat kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
+constexpr VkImageUsageFlags kTarget = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+constexpr double kMib = 1024.0 * 1024.0;
+
+std::uint64_t pixels(const FrameSetup& setup) {
+  return std::uint64_t{setup.width} * setup.height;
+}
+
+std::uint64_t pair_words(const FrameSetup& setup) {
+  return LINK_PAIR_WORDS + (setup.scene.features().has(FEATURE_EMISSIVE) ? 2 : 0);
+}
+
+std::uint32_t allocation(const FrameSetup& setup) {
+  const std::string name = setup.choice("allocation");
+  return name == "atomic" ? LINK_ALLOCATE_ATOMIC : name == "tiles" ? LINK_ALLOCATE_TILES : LINK_ALLOCATE_LARGEST;
+}
+
+gpu::Constants list_constants(const FrameSetup& setup) {
+  return {{10, allocation(setup)},
+          {11, setup.choice("first_block") == "covered" ? LINK_FIRST_COVERED : LINK_FIRST_SAMPLE}};
+}
+
+void append(gpu::Constants& constants, const gpu::Constants& more) {
+  constants.insert(constants.end(), more.begin(), more.end());
+}
+
+MemoryLayout layout(const FrameSetup& setup) {
+  const double n = setup.samples, per_pixel = 1.0 / static_cast<double>(pixels(setup));
+  const double dynamic = static_cast<double>(linked_list_dynamic_blocks(setup)) * per_pixel;
+  // What the frame used of the pool, once it has been replayed.
+  const auto used = setup.outputs.counters.find("blocks_used");
+  const double needed = used == setup.outputs.counters.end() ? dynamic : static_cast<double>(used->second) * per_pixel;
+  const double fitted = fitted_surface_bits(setup.scene.features()) + LINK_POINTER_BITS;
+  MemoryLayout memory;
+  memory.paper = {
+      {"depth", 32 * n}, {"pre-allocated blocks", LINK_BLOCK_BITS}, {"dynamic blocks", LINK_BLOCK_BITS * dynamic}};
+  memory.fitted = {{"depth", 32 * n}, {"pre-allocated blocks", fitted}, {"dynamic blocks", fitted * needed}};
+  return memory;
+}
+
+// What all passes of one frame share.
+struct Lists {
+  gpu::Buffer* parameters = nullptr;  // a LinkPool
+  gpu::Buffer* blocks = nullptr;
+  gpu::Image* visibility = nullptr;
+};
+
+template <typename Pass>
+void bind(Pass& pass, const Lists& lists) {
+  pass.bindings.push_back(gpu::samples(0, *lists.visibility));
+  pass.bindings.push_back(gpu::writes(0, *lists.parameters));
+  pass.by_address.push_back(lists.blocks);
+}
+
+void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+  gpu::ComputePass pass;
+  pass.name = "link";
+  pass.constants = setup.frontend.constants();
+  append(pass.constants, list_constants(setup));
+  bind(pass, lists);
+  if (allocation(setup) == LINK_ALLOCATE_ATOMIC) {
+    pass.shader = "techniques/linked_list/clear.comp";
+    pass.groups = {(setup.width + 63) / 64, setup.height, 1};
+    recorder.compute(std::move(pass));
+    return;
+  }
+  const std::uint32_t tiles =
+      ((setup.width + LINK_TILE - 1) / LINK_TILE) * ((setup.height + LINK_TILE - 1) / LINK_TILE);
+  const std::uint32_t sums = allocation(setup) == LINK_ALLOCATE_LARGEST ? tiles * setup.samples : tiles;
+  gpu::Buffer& needed = recorder.buffer("blocks by tile", (std::uint64_t{sums} + 1) * 8);
+  pass.shader = "techniques/linked_list/count.comp";
+  pass.bindings.push_back(gpu::writes(1, needed));
+  pass.groups = {(tiles + 63) / 64, 1, 1};
+  recorder.compute(pass);
+
+  gpu::ComputePass scan;
+  scan.name = "link";
+  scan.shader = "frontend/scan.comp";
+  scan.bindings = {gpu::writes(0, needed)};
+  scan.push = gpu::PushConstants(sums);
+  recorder.compute(std::move(scan));
+
+  pass.shader = "techniques/linked_list/link.comp";
+  recorder.compute(std::move(pass));
+}
+
+void record_geometry(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+  Frontend::GeometryPass geometry;
+  geometry.by_material = true;
+  geometry.fragment_opaque = "techniques/linked_list/gbuffer.frag";
+  gpu::RasterPass& pass = geometry.pass;
+  pass.name = "gbuffer";
+  pass.size = {setup.width, setup.height};
+  pass.pipeline.constants = common_constants(setup);
+  append(pass.pipeline.constants, list_constants(setup));
+  bind(pass, lists);
+  setup.frontend.record_geometry(recorder, std::move(geometry));
+}
+
+void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+  const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+                                     kTarget,  false};
+  setup.outputs.radiance = &recorder.image(output);
+  setup.outputs.display = &recorder.image(output);
+  gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/linked_list/shade.frag");
+  append(pass.pipeline.constants, list_constants(setup));
+  pass.pipeline.targets.colours = {kFloats, kFloats};
+  pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  bind(pass, lists);
+  recorder.raster(std::move(pass));
+}
+
+// In a host step and once, as every run of a deterministic allocation leaves the same: they cost the technique no time.
+void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+  std::vector<gpu::Image*> maps;
+  for (const char* name : {"blocks", "overflow", "leaks"}) {
+    maps.push_back(&map_image(recorder, setup, name));
+    setup.outputs.maps.emplace_back(name, maps.back());
+  }
+  gpu::RasterPass pass;
+  pass.name = "maps";
+  pass.pipeline.vertex = "shade/fullscreen.vert";
+  pass.pipeline.fragment = "techniques/linked_list/maps.frag";
+  pass.pipeline.constants = setup.frontend.constants();
+  append(pass.pipeline.constants, list_constants(setup));
+  pass.pipeline.targets.colours.assign(maps.size(), VK_FORMAT_R32_UINT);
+  for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
+  bind(pass, lists);
+  recorder.host([&device = recorder.device(), &counters = setup.outputs.counters, parameters = lists.parameters,
+                 pass = std::move(pass)] {
+    gpu::PassRecorder own(device);
+    own.raster(pass);
+    own.run();
+    const auto pool = parameters->as<gpu_types::LinkPool>()[0];
+    counters["blocks_wanted"] = pool.allocated;  // dynamic ones
+    counters["blocks_used"] = std::min(pool.allocated, pool.capacity);
+    counters["blocks_available"] = pool.capacity;
+    counters["overflowed_fragments"] = pool.allocated - std::min(pool.allocated, pool.capacity);
+  });
+}
+
+void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  const std::uint64_t dynamic = linked_list_dynamic_blocks(setup);
+  record_linked_list(recorder, setup, {&recorder.buffer("blocks", linked_list_pool_bytes(setup, dynamic)), 0, dynamic});
+}
+
+Parameter choice(std::string_view name, std::string_view doc, std::vector<std::string_view> choices) {
+  Parameter p;
+  p.name = name;
+  p.kind = ParameterKind::choice;
+  p.doc = doc;
+  p.default_value = std::string(choices.front());
+  p.choices = std::move(choices);
+  return p;
+}
+
+Parameter pool_parameter() {
+  Parameter p;
+  p.name = "pool";
+  p.kind = ParameterKind::number;
+  p.doc = "dynamic blocks at most, in pool_unit; those of a pixel beyond samples - 1 are never needed nor made";
+  p.minimum = 0;
+  p.maximum = 1e9;
+  p.default_value = static_cast<double>(LINK_MAX_SAMPLES - 1);
+  return p;
+}
+
+}  // namespace
+
+std::uint64_t linked_list_dynamic_blocks(const FrameSetup& setup) {
+  const std::string unit = setup.choice("pool_unit");
+  const double pool = setup.number("pool");
+  const double blocks = unit == "blocks" ? pool
+                        : unit == "mib"  ? pool * kMib * 8 / static_cast<double>(16 * pair_words(setup))
+                                         : pool * static_cast<double>(pixels(setup));
+  // A chosen sample that shows the sky leaves up to samples - 1 others, like one that doesn't.
+  const std::uint64_t useful = (setup.samples - 1) * pixels(setup);
+  constexpr std::uint64_t kIndices = std::uint64_t{1} << LINK_INDEX_BITS;
+  const std::uint64_t reachable = kIndices - std::min(kIndices, pixels(setup));
+  return std::min({static_cast<std::uint64_t>(std::floor(blocks)), useful, reachable});
+}
+
+std::uint64_t linked_list_pool_bytes(const FrameSetup& setup, std::uint64_t dynamic_blocks) {
+  return (pixels(setup) + dynamic_blocks + 1) / 2 * pair_words(setup) * 4;
+}
+
+void record_linked_list(gpu::PassRecorder& recorder, const FrameSetup& setup, const LinkedListPool& pool) {
+  setup.frontend.record_setup(recorder);
+  Lists lists;
+  lists.visibility = &record_visibility(recorder, setup);
+  lists.blocks = pool.buffer;
+  lists.parameters = &recorder.buffer("lists", sizeof(gpu_types::LinkPool));
+  lists.parameters->as<gpu_types::LinkPool>()[0] = {pool.buffer->address() + pool.first_byte,
+                                                    static_cast<std::uint32_t>(pool.dynamic_blocks), 0, setup.width,
+                                                    setup.height};
+  record_allocation(recorder, setup, lists);
+  record_geometry(recorder, setup, lists);
+  record_shading(recorder, setup, lists);
+  record_maps(recorder, setup, lists);
+}
+
+extern const Technique kLinkedList;
+
+const Technique kLinkedList{
+    "linked_list",
+    "Per-pixel linked lists",
+    "Fridvalszky, Toth: Multisample Anti-Aliasing in Deferred Rendering. Eurographics 2020 short papers",
+    {samples_parameter({2, 4, 8}, 8), pool_parameter(),
+     choice("pool_unit", "what the pool is counted in", {"blocks_per_pixel", "mib", "blocks"}),
+     choice("allocation",
+            "who gets a block while there are some: fragments with most samples first, tile by tile, or as fragments "
+            "come, by an atomic counter",
+            {"largest", "tiles", "atomic"}),
+     choice("first_block", "a pixel's own block holds what sample 0 shows, or what its first covered sample shows",
+            {"sample", "covered"}),
+     alpha_parameter(), resolve_parameter(), shading_parameter()},
+    {{"blocks", "Blocks with a surface", "blocks", 0},
+     {"overflow", "Samples of fragments without a block", "samples", 0},
+     {"leaks", "Samples that show the sky for want of a block", "samples", 0}},
+    layout,
+    record};
+
+}  // namespace subpixel::replay

@@ -1,0 +1,53 @@
+// Blocks and pointers of the per-pixel lists: where their words are, and what a pointer says.
+// Blocks 0 to width * height - 1 are the pixels' own, dynamic ones follow (Fridvalszky and Toth 2020, figure 4).
+// Needs SAMPLES before it. Reads and writes: the pool's words, by address.
+#ifndef SUBPIXEL_LINKED_LIST_BLOCKS_GLSL
+#define SUBPIXEL_LINKED_LIST_BLOCKS_GLSL
+
+#include "include/frame.glsl"
+#include "include/visibility.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LinkWords { uint word[]; };
+
+#include "techniques/linked_list/linked_list_types.h"
+
+layout(constant_id = 10) const uint ALLOCATION = LINK_ALLOCATE_LARGEST;
+layout(constant_id = 11) const uint FIRST_BLOCK = LINK_FIRST_SAMPLE;
+
+layout(set = 0, binding = 1, scalar) buffer Pool { LinkPool pool; };
+
+const uint kNoBlock = 0xffffffffu;
+const uint kPairWords = LINK_PAIR_WORDS + 2u * ((FEATURES / FEATURE_EMISSIVE) & 1u);
+
+// Fields of a block that have a word of their own: 0 albedo and metallic, 1 normal; the pair's shared word is its fifth.
+uint block_word(uint block, uint field) { return (block >> 1) * kPairWords + 2u * field + (block & 1u); }
+uint shared_word(uint block) { return (block >> 1) * kPairWords + 4u; }
+uint pointer_word(uint block) { return (block >> 1) * kPairWords + 5u + (block & 1u); }
+uint emission_word(uint block) { return (block >> 1) * kPairWords + 7u + (block & 1u); }
+
+uint make_link(uint block, uint count, uint s) {
+  return block | (count - 1u) << LINK_COUNT_SHIFT | s << LINK_SAMPLE_SHIFT;
+}
+uint link_block(uint link) { return link & ((1u << LINK_INDEX_BITS) - 1u); }
+uint link_count(uint link) { return ((link >> LINK_COUNT_SHIFT) & 7u) + 1u; }
+uint link_sample(uint link) { return link >> LINK_SAMPLE_SHIFT; }
+
+uint pixel_block(ivec2 pixel) { return uint(pixel.y) * pool.width + uint(pixel.x); }
+uint first_dynamic() { return pool.width * pool.height; }
+
+// Samples of the pixel that `triangle` shows in.
+uint samples_of(ivec2 pixel, uint triangle) {
+  uint mask = 0u;
+  for (uint quad = 0u; quad < (SAMPLES + 3u) / 4u; ++quad) {
+    uvec4 same = uvec4(equal(visible_triangles(pixel, SAMPLES, quad), uvec4(triangle)));
+    mask |= (same.x | same.y << 1 | same.z << 2 | same.w << 3) << (4u * quad);
+  }
+  return mask & ((1u << SAMPLES) - 1u);
+}
+
+uint covered_samples(ivec2 pixel) { return ~samples_of(pixel, SUBPIXEL_NO_TRIANGLE) & ((1u << SAMPLES) - 1u); }
+
+// The sample whose surface the pixel's own block holds; none of the pixel's when that sample is not covered.
+uint first_sample(uint covered) { return FIRST_BLOCK == LINK_FIRST_COVERED && covered != 0u ? uint(findLSB(covered)) : 0u; }
+
+#endif
