@@ -58,7 +58,8 @@ TEST(LinkedList, ErrorFallsWithThePool) {
   for (const auto& pixel : none.radiance) ASSERT_LE(pixel.w, 1.0f);
 }
 
-// Table 1, at 1920x1080 in MiB. The columns without lists follow from the same block, whose pointer they don't need.
+// Table 1, at 1920x1080 in MiB. The columns without lists follow from the same block: no pointer, roughness and
+// occlusion in a word of their own.
 TEST(LinkedList, MemoryIsThatOfThePublicationsTable) {
   const capture::Capture capture = flat_capture(1920, 1080);
   GpuScene scene(test_device(), capture, {});

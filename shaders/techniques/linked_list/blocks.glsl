@@ -35,6 +35,10 @@ uint link_sample(uint link) { return link >> LINK_SAMPLE_SHIFT; }
 uint pixel_block(ivec2 pixel) { return uint(pixel.y) * pool.width + uint(pixel.x); }
 uint first_dynamic() { return pool.width * pool.height; }
 
+// Devices run fragment shaders for whole blocks of pixels and may load for those outside the image: their pointers are no
+// pointers and must not be followed.
+bool in_image(ivec2 pixel) { return uint(pixel.x) < pool.width && uint(pixel.y) < pool.height; }
+
 // Samples of the pixel that `triangle` shows in.
 uint samples_of(ivec2 pixel, uint triangle) {
   uint mask = 0u;

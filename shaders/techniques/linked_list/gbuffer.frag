@@ -25,7 +25,7 @@ void write_surface(LinkWords words, uint block, uvec4 packed) {
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
-  uint mask = samples_of(pixel, fragment_triangle());
+  uint mask = in_image(pixel) ? samples_of(pixel, fragment_triangle()) : 0u;
   // Loops, here and below, so that groups of pixels skip what none of them needs.
   for (bool go = mask != 0u; go; go = false) {
     LinkWords words = pool.words;

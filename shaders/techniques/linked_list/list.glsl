@@ -16,7 +16,7 @@ struct PixelList {
 
 PixelList read_list(LinkWords words, ivec2 pixel) {
   PixelList list;
-  list.covered = covered_samples(pixel);
+  list.covered = in_image(pixel) ? covered_samples(pixel) : 0u;
   list.own = first_sample(list.covered);
   list.leaders = list.covered & (1u << list.own);
   list.listed = 0u;
