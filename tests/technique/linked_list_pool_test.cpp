@@ -82,7 +82,7 @@ TEST_P(LinkedListPool, EverySizeFromNothingUp) {
   ListScene scene(emitters(21, 13, 30), 21, 13);
   const FragmentOracle oracle(scene, static_cast<std::uint32_t>(GetParam().samples));
   const std::uint64_t wanted = oracle.wanted_blocks(first_covered());
-  ASSERT_GT(wanted, 25u);
+  ASSERT_GT(wanted, 15u);
   const ListRun all = scene.run(parameters(), wanted);
   StoredFragments before;
   std::uint64_t overflow_before = ~std::uint64_t{0}, wrong_before = ~std::uint64_t{0};
