@@ -51,17 +51,17 @@ vec2 shading_offset(PixelEdges edges, uint n) {
   if (n == 1u) return vec2(0.0);
   vec2 sum = vec2(0.0);
   float count = 0.0;
-  bool centre = small_covers(edges, ivec2(0));
-  for (uint i = 0u; i < n; ++i) {
-    ivec2 offset = sample_offset(n, i);
-    float weight = small_covers(edges, offset) ? 1.0 : 0.0;
-    sum += weight * vec2(offset);
-    count += weight;
+  bool centre = covers(edges, ivec2(0));
+  // Loops, so that groups of pixels that the triangle covers skip the search for a centroid.
+  for (bool go = !centre && !edges.large; go; go = false) {
+    for (uint i = 0u; i < n; ++i) {
+      ivec2 offset = sample_offset(n, i);
+      float weight = small_covers(edges, offset) ? 1.0 : 0.0;
+      sum += weight * vec2(offset);
+      count += weight;
+    }
   }
-  for (bool go = edges.large; go; go = false) {
-    sum = vec2(0.0);
-    count = 0.0;
-    centre = large_covers(edges, ivec2(0));
+  for (bool go = !centre && edges.large; go; go = false) {
     for (uint i = 0u; i < n; ++i) {
       ivec2 offset = sample_offset(n, i);
       float weight = large_covers(edges, offset) ? 1.0 : 0.0;

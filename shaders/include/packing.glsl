@@ -9,11 +9,25 @@
 #include "include/frame.glsl"
 #include "include/surface.glsl"
 
+// Rounds to nearest, ties to even, as packUnorm4x8() does, for |x| < 2^22: the low bits of x + 1.5 * 2^23. Of them the lowest 16
+// are right for negative x too. lavapipe converts floats to integers lane by lane.
+uint rounded(float x) { return floatBitsToUint(x + 12582912.0) & 0xffffu; }
+
+uint pack_unorm4x8(vec4 v) {
+  v = clamp(v, 0.0, 1.0) * 255.0;
+  return rounded(v.x) | rounded(v.y) << 8 | rounded(v.z) << 16 | rounded(v.w) << 24;
+}
+
+uint pack_snorm2x16(vec2 v) {
+  v = clamp(v, -1.0, 1.0) * 32767.0;
+  return rounded(v.x) | rounded(v.y) << 16;
+}
+
 uint pack_normal(vec3 n) {
   float l1 = abs(n.x) + abs(n.y) + abs(n.z);
   vec2 p = n.xy / max(l1, 1e-20);
   vec2 folded = (1.0 - abs(p.yx)) * vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
-  return packSnorm2x16(n.z < 0.0 ? folded : p);
+  return pack_snorm2x16(n.z < 0.0 ? folded : p);
 }
 
 vec3 unpack_normal(uint packed) {
@@ -33,8 +47,8 @@ uint pack_shared_exponent(vec3 radiance) {
     ++exponent;
     scale *= 0.5;
   }
-  uvec3 m = uvec3(c * scale + 0.5);
-  return m.r | m.g << 9 | m.b << 18 | uint(exponent) << 27;
+  return rounded(floor(c.r * scale + 0.5)) | rounded(floor(c.g * scale + 0.5)) << 9 |
+         rounded(floor(c.b * scale + 0.5)) << 18 | uint(exponent) << 27;
 }
 
 vec3 unpack_shared_exponent(uint packed) {
@@ -44,10 +58,13 @@ vec3 unpack_shared_exponent(uint packed) {
 
 uvec4 pack_surface(Surface s) {
   uvec4 packed;
-  packed.x = packUnorm4x8(vec4(sqrt(clamp(s.albedo, 0.0, 1.0)), has_feature(FEATURE_METAL) ? s.metallic : 0.0));
+  packed.x = pack_unorm4x8(vec4(sqrt(clamp(s.albedo, 0.0, 1.0)), has_feature(FEATURE_METAL) ? s.metallic : 0.0));
   packed.y = pack_normal(s.normal);
-  packed.z = packUnorm4x8(vec4(s.roughness, s.occlusion, 0.0, 0.0));
-  packed.w = has_feature(FEATURE_EMISSIVE) ? pack_shared_exponent(s.emissive) : 0u;
+  packed.z = pack_unorm4x8(vec4(s.roughness, s.occlusion, 0.0, 0.0));
+  packed.w = 0u;
+  // A loop, so that groups of pixels that don't emit skip it.
+  for (bool emits = has_feature(FEATURE_EMISSIVE) && any(greaterThan(s.emissive, vec3(0.0))); emits; emits = false)
+    packed.w = pack_shared_exponent(s.emissive);
   return packed;
 }
 
