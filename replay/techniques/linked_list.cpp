@@ -19,6 +19,7 @@ namespace {
 
 constexpr VkFormat kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr VkImageUsageFlags kTarget = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+constexpr const char* kLink = "link";  // the passes of allocation
 constexpr double kMib = 1024.0 * 1024.0;
 
 std::uint64_t pixels(const FrameSetup& setup) {
@@ -34,9 +35,15 @@ std::uint32_t allocation(const FrameSetup& setup) {
   return name == "atomic" ? LINK_ALLOCATE_ATOMIC : name == "tiles" ? LINK_ALLOCATE_TILES : LINK_ALLOCATE_LARGEST;
 }
 
+bool by_blocks(const FrameSetup& setup) {
+  constexpr std::uint32_t kSide = 1u << LINK_OWNER_SIDE_BITS;  // larger images are lit by lists
+  return setup.choice("lighting") == "blocks" && setup.width <= kSide && setup.height <= kSide;
+}
+
 gpu::Constants list_constants(const FrameSetup& setup) {
   return {{10, allocation(setup)},
-          {11, setup.choice("first_block") == "covered" ? LINK_FIRST_COVERED : LINK_FIRST_SAMPLE}};
+          {11, setup.choice("first_block") == "covered" ? LINK_FIRST_COVERED : LINK_FIRST_SAMPLE},
+          {12, by_blocks(setup) ? LINK_LIGHT_BLOCKS : LINK_LIGHT_LISTS}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
@@ -50,10 +57,11 @@ MemoryLayout layout(const FrameSetup& setup) {
   const auto used = setup.outputs.counters.find("blocks_used");
   const double needed = used == setup.outputs.counters.end() ? dynamic : static_cast<double>(used->second) * per_pixel;
   const double fitted = fitted_surface_bits(setup.scene.features()) + LINK_POINTER_BITS;
+  const double owners = by_blocks(setup) ? LINK_OWNER_BITS : 0;
   MemoryLayout memory;
   memory.paper = {
       {"depth", 32 * n}, {"pre-allocated blocks", LINK_BLOCK_BITS}, {"dynamic blocks", LINK_BLOCK_BITS * dynamic}};
-  memory.fitted = {{"depth", 32 * n}, {"pre-allocated blocks", fitted}, {"dynamic blocks", fitted * needed}};
+  memory.fitted = {{"depth", 32 * n}, {"pre-allocated blocks", fitted}, {"dynamic blocks", (fitted + owners) * needed}};
   return memory;
 }
 
@@ -61,6 +69,7 @@ MemoryLayout layout(const FrameSetup& setup) {
 struct Lists {
   gpu::Buffer* parameters = nullptr;  // a LinkPool
   gpu::Buffer* blocks = nullptr;
+  gpu::Buffer* owners = nullptr;  // with lighting by blocks
   gpu::Image* visibility = nullptr;
 };
 
@@ -69,11 +78,23 @@ void bind(Pass& pass, const Lists& lists) {
   pass.bindings.push_back(gpu::samples(0, *lists.visibility));
   pass.bindings.push_back(gpu::writes(0, *lists.parameters));
   pass.by_address.push_back(lists.blocks);
+  if (lists.owners) pass.by_address.push_back(lists.owners);
+}
+
+gpu::RasterPass fullscreen_pass(const FrameSetup& setup, std::string name, std::string fragment) {
+  gpu::RasterPass pass;
+  pass.name = std::move(name);
+  pass.pipeline.vertex = "shade/fullscreen.vert";
+  pass.pipeline.fragment = std::move(fragment);
+  pass.pipeline.constants = setup.frontend.constants();
+  append(pass.pipeline.constants, list_constants(setup));
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
+  return pass;
 }
 
 void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
   gpu::ComputePass pass;
-  pass.name = "link";
+  pass.name = kLink;
   pass.constants = setup.frontend.constants();
   append(pass.constants, list_constants(setup));
   bind(pass, lists);
@@ -87,13 +108,21 @@ void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, con
       ((setup.width + LINK_TILE - 1) / LINK_TILE) * ((setup.height + LINK_TILE - 1) / LINK_TILE);
   const std::uint32_t sums = allocation(setup) == LINK_ALLOCATE_LARGEST ? tiles * setup.samples : tiles;
   gpu::Buffer& needed = recorder.buffer("blocks by tile", (std::uint64_t{sums} + 1) * 8);
+  gpu::Image& leaders = map_image(recorder, setup, "leaders");
+  gpu::RasterPass find = fullscreen_pass(setup, kLink, "techniques/linked_list/leaders.frag");
+  find.pipeline.targets.colours = {leaders.description().format};
+  find.colours = {{leaders}};
+  bind(find, lists);
+  recorder.raster(std::move(find));
+
   pass.shader = "techniques/linked_list/count.comp";
+  pass.bindings.push_back(gpu::samples(2, leaders));
   pass.bindings.push_back(gpu::writes(1, needed));
   pass.groups = {(tiles + 63) / 64, 1, 1};
   recorder.compute(pass);
 
   gpu::ComputePass scan;
-  scan.name = "link";
+  scan.name = kLink;
   scan.shader = "frontend/scan.comp";
   scan.bindings = {gpu::writes(0, needed)};
   scan.push = gpu::PushConstants(sums);
@@ -116,6 +145,27 @@ void record_geometry(gpu::PassRecorder& recorder, const FrameSetup& setup, const
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
 
+// The dynamic blocks' part of `shading`, which has the lights bound.
+void record_block_lighting(gpu::PassRecorder& recorder, const Lists& lists, const gpu::RasterPass& shading) {
+  gpu::Buffer& groups = recorder.buffer("block groups", 12);
+  gpu::ComputePass pass;
+  pass.name = "shade blocks";
+  pass.shader = "techniques/linked_list/groups.comp";
+  pass.constants = shading.pipeline.constants;
+  bind(pass, lists);
+  pass.bindings.push_back(gpu::writes(1, groups));
+  recorder.compute(std::move(pass));
+
+  gpu::ComputePass light;
+  light.name = "shade blocks";
+  light.shader = "techniques/linked_list/light.comp";
+  light.constants = shading.pipeline.constants;
+  light.bindings = shading.bindings;
+  bind(light, lists);
+  light.indirect = &groups;
+  recorder.compute(std::move(light));
+}
+
 void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
   const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
                                      kTarget,  false};
@@ -123,6 +173,7 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
   setup.outputs.display = &recorder.image(output);
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/linked_list/shade.frag");
   append(pass.pipeline.constants, list_constants(setup));
+  if (by_blocks(setup)) record_block_lighting(recorder, lists, pass);
   pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
   bind(pass, lists);
@@ -136,15 +187,9 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lis
     maps.push_back(&map_image(recorder, setup, name));
     setup.outputs.maps.emplace_back(name, maps.back());
   }
-  gpu::RasterPass pass;
-  pass.name = "maps";
-  pass.pipeline.vertex = "shade/fullscreen.vert";
-  pass.pipeline.fragment = "techniques/linked_list/maps.frag";
-  pass.pipeline.constants = setup.frontend.constants();
-  append(pass.pipeline.constants, list_constants(setup));
+  gpu::RasterPass pass = fullscreen_pass(setup, "maps", "techniques/linked_list/maps.frag");
   pass.pipeline.targets.colours.assign(maps.size(), VK_FORMAT_R32_UINT);
   for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
   bind(pass, lists);
   recorder.host([&device = recorder.device(), &counters = setup.outputs.counters, parameters = lists.parameters,
                  pass = std::move(pass)] {
@@ -209,9 +254,13 @@ void record_linked_list(gpu::PassRecorder& recorder, const FrameSetup& setup, co
   Lists lists;
   lists.visibility = &record_visibility(recorder, setup);
   lists.blocks = pool.buffer;
+  if (by_blocks(setup)) lists.owners = &recorder.buffer("block owners", pool.dynamic_blocks * 4);
   lists.parameters = &recorder.buffer("lists", sizeof(gpu_types::LinkPool));
   lists.parameters->as<gpu_types::LinkPool>()[0] = {pool.buffer->address() + pool.first_byte,
-                                                    static_cast<std::uint32_t>(pool.dynamic_blocks), 0, setup.width,
+                                                    lists.owners ? lists.owners->address() : 0,
+                                                    static_cast<std::uint32_t>(pool.dynamic_blocks),
+                                                    0,
+                                                    setup.width,
                                                     setup.height};
   record_allocation(recorder, setup, lists);
   record_geometry(recorder, setup, lists);
@@ -233,6 +282,8 @@ const Technique kLinkedList{
             {"largest", "tiles", "atomic"}),
      choice("first_block", "a pixel's own block holds what sample 0 shows, or what its first covered sample shows",
             {"sample", "covered"}),
+     choice("lighting", "dynamic blocks are lit one by one before the pixels, or with their pixel's list",
+            {"blocks", "lists"}),
      alpha_parameter(), resolve_parameter(), shading_parameter()},
     {{"blocks", "Blocks with a surface", "blocks", 0},
      {"overflow", "Samples of fragments without a block", "samples", 0},

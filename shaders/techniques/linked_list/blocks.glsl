@@ -14,6 +14,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LinkWords { 
 layout(constant_id = 10) const uint ALLOCATION = LINK_ALLOCATE_LARGEST;
 layout(constant_id = 11) const uint FIRST_BLOCK = LINK_FIRST_SAMPLE;
 
+layout(constant_id = 12) const uint LIGHTING = LINK_LIGHT_BLOCKS;
+
 layout(set = 0, binding = 1, scalar) buffer Pool { LinkPool pool; };
 
 const uint kNoBlock = 0xffffffffu;
@@ -31,6 +33,15 @@ uint make_link(uint block, uint count, uint s) {
 uint link_block(uint link) { return link & ((1u << LINK_INDEX_BITS) - 1u); }
 uint link_count(uint link) { return ((link >> LINK_COUNT_SHIFT) & 7u) + 1u; }
 uint link_sample(uint link) { return link >> LINK_SAMPLE_SHIFT; }
+
+// A link and the pixel it leads from, without the block.
+uint make_owner(ivec2 pixel, uint link) {
+  return uint(pixel.x) | uint(pixel.y) << LINK_OWNER_SIDE_BITS | (link >> LINK_INDEX_BITS) << (2 * LINK_OWNER_SIDE_BITS);
+}
+ivec2 owner_pixel(uint owner) {
+  return ivec2(owner, owner >> LINK_OWNER_SIDE_BITS) & ((1 << LINK_OWNER_SIDE_BITS) - 1);
+}
+uint owner_sample(uint owner) { return owner >> 29; }
 
 uint pixel_block(ivec2 pixel) { return uint(pixel.y) * pool.width + uint(pixel.x); }
 uint first_dynamic() { return pool.width * pool.height; }

@@ -3,7 +3,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // Counts the dynamic blocks that each tile of pixels needs, by level; one invocation for each tile.
-// Reads: visibility (slot 0). Writes: sums, level by level, the tiles of each in a row; x is to be scanned in place.
+// Reads: leaders (slot 2). Writes: sums, level by level, the tiles of each in a row; x is to be scanned in place.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint SAMPLES = 8u;
 #include "techniques/linked_list/leaders.glsl"
@@ -19,14 +19,11 @@ void main() {
   for (uint level = 0u; level < kLevels; ++level) needed[level] = 0u;
   for (int k = 0; k < int(LINK_TILE * LINK_TILE); ++k) {
     ivec2 pixel = corner + ivec2(k % int(LINK_TILE), k / int(LINK_TILE));
-    Leaders leaders = dynamic_leaders(pixel_triangles(min(pixel, size - 1)));
-    leaders.mask = all(lessThan(pixel, size)) ? leaders.mask : 0u;
-    for (bool go = leaders.mask != 0u; go; go = false)
-      for (uint s = 0u; s < SAMPLES; ++s) {
-        bool leads = (leaders.mask & (1u << s)) != 0u;
-        uint own_level = leader_level(leaders, s);
-        for (uint level = 0u; level < kLevels; ++level) needed[level] += leads && own_level == level ? 1u : 0u;
-      }
+    uint leaders = texelFetch(leaders_image, min(pixel, size - 1), 0).x;
+    for (uint left = all(lessThan(pixel, size)) ? leaders & 255u : 0u; left != 0u; left &= left - 1u) {
+      uint own_level = leader_level(leaders, uint(findLSB(left)));
+      for (uint level = 0u; level < kLevels; ++level) needed[level] += own_level == level ? 1u : 0u;
+    }
   }
   for (uint level = 0u; level < kLevels; ++level) sums[level * tile_count + tile] = uvec2(needed[level], 0u);
 }

@@ -5,7 +5,7 @@
 // The geometry pass: each visible fragment writes its surface to one block.
 // The fragment with the pixel's chosen sample writes the pixel's own block, any other a dynamic one: the one that link.comp
 // gave it, or (ATOMIC) the next of a counter, which it puts before the pixel's list. Without a block left it writes nothing.
-// Reads: visibility (slot 0), pointers. Writes: surfaces of the blocks; ATOMIC: pointers and the counter.
+// Reads: visibility (slot 0), pointers. Writes: surfaces of the blocks; ATOMIC: pointers, owners and the counter.
 #define WITH_UV
 #define WITH_ATTRIBUTES
 #include "frontend/fragment.glsl"
@@ -23,6 +23,12 @@ void write_surface(LinkWords words, uint block, uvec4 packed) {
   if (has_feature(FEATURE_EMISSIVE)) words.word[emission_word(block)] = packed.w;
 }
 
+// Samples on opposite sides of the centre, so that a triangle with both covers it. That spares most pixels the edges.
+bool covers_centre(uint mask) {
+  if (SAMPLES == 4u) return (mask & 9u) == 9u || (mask & 6u) == 6u;
+  return (mask & 3u) == 3u;
+}
+
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
   uint mask = in_image(pixel) ? samples_of(pixel, fragment_triangle()) : 0u;
@@ -38,6 +44,7 @@ void main() {
         for (bool fits = next < pool.capacity; fits; fits = false) {
           place = first_dynamic() + next;
           uint link = make_link(place, bitCount(mask), lowest);
+          if (LIGHTING == LINK_LIGHT_BLOCKS) pool.owners.word[next] = make_owner(pixel, link);
           words.word[pointer_word(place)] = atomicExchange(words.word[pointer_word(own)], link);
         }
       } else {
@@ -46,7 +53,11 @@ void main() {
         place = link == 0u ? kNoBlock : link_block(link);
       }
     }
-    for (bool write = place != kNoBlock; write; write = false)
-      write_surface(words, place, pack_surface(fragment_surface(pixel, shading_offset(fragment_edges(pixel), SAMPLES))));
+    for (bool write = place != kNoBlock; write; write = false) {
+      vec2 offset = vec2(0.0);
+      for (bool search = !covers_centre(mask); search; search = false)
+        offset = shading_offset(fragment_edges(pixel), SAMPLES);
+      write_surface(words, place, pack_surface(fragment_surface(pixel, offset)));
+    }
   }
 }

@@ -5,6 +5,8 @@
 
 #include "techniques/linked_list/blocks.glsl"
 
+layout(set = 0, binding = 14) uniform usampler2D leaders_image;
+
 struct PixelTriangles {
   uvec4 low, high;  // of samples 0 to 3 and 4 to 7
 };
@@ -16,17 +18,13 @@ PixelTriangles pixel_triangles(ivec2 pixel) {
 
 uint triangle_of(PixelTriangles t, uint s) { return s < 4u ? t.low[s] : t.high[s - 4u]; }
 
-// In bits 0 to 7 the leaders of fragments without the pixel's own block; the samples each of them shows in, less one, in four
-// bits at 4 times its number.
-struct Leaders {
-  uint mask;
-  uint counts;
-};
-
-Leaders dynamic_leaders(PixelTriangles t) {
-  Leaders leaders = Leaders(0u, 0u);
+// In bits 0 to 7 the leaders of fragments without the pixel's own block; the samples each of them shows in, less one, in three
+// bits from 8 + 3 times its number.
+uint dynamic_leaders(PixelTriangles t) {
+  uint leaders = 0u;
   bool mixed = false;
   for (uint s = 1u; s < SAMPLES; ++s) mixed = mixed || triangle_of(t, s) != t.low.x;
+  // A loop, so that groups of pixels of one triangle each skip it.
   for (bool go = mixed; go; go = false) {
     uint covered = 0u;
     for (uint s = 0u; s < SAMPLES; ++s) covered |= triangle_of(t, s) != SUBPIXEL_NO_TRIANGLE ? 1u << s : 0u;
@@ -38,18 +36,17 @@ Leaders dynamic_leaders(PixelTriangles t) {
       for (uint i = 0u; i < s; ++i) leads = leads && triangle_of(t, i) != triangle;
       uint more = 0u;
       for (uint i = s + 1u; i < SAMPLES; ++i) more += triangle_of(t, i) == triangle ? 1u : 0u;
-      leaders.mask |= leads ? 1u << s : 0u;
-      leaders.counts |= leads ? more << (4u * s) : 0u;
+      leaders |= leads ? 1u << s | more << (8u + 3u * s) : 0u;
     }
   }
   return leaders;
 }
 
-uint leader_count(Leaders leaders, uint s) { return ((leaders.counts >> (4u * s)) & 15u) + 1u; }
+uint leader_count(uint leaders, uint s) { return ((leaders >> (8u + 3u * s)) & 7u) + 1u; }
 
 // Allocation goes level by level: fragments of most samples first, or all of them in one.
 const uint kLevels = ALLOCATION == LINK_ALLOCATE_LARGEST ? SAMPLES : 1u;
-uint leader_level(Leaders leaders, uint s) {
+uint leader_level(uint leaders, uint s) {
   return ALLOCATION == LINK_ALLOCATE_LARGEST ? SAMPLES - leader_count(leaders, s) : 0u;
 }
 

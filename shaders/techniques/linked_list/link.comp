@@ -4,7 +4,8 @@
 #extension GL_EXT_scalar_block_layout : require
 // Gives the fragments their dynamic blocks and links each pixel's list, lowest samples first; one invocation for each tile.
 // A fragment whose place lies beyond the pool gets none.
-// Reads: visibility (slot 0), scanned sums with the total behind the last. Writes: all pointers of the pool; the blocks asked for.
+// Reads: leaders (slot 2), scanned sums with the total behind the last. Writes: all pointers of the
+// pool, owners, the blocks asked for.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint SAMPLES = 8u;
 #include "techniques/linked_list/leaders.glsl"
@@ -23,11 +24,10 @@ void main() {
   for (int k = 0; k < int(LINK_TILE * LINK_TILE); ++k) {
     ivec2 pixel = corner + ivec2(k % int(LINK_TILE), k / int(LINK_TILE));
     bool inside = all(lessThan(pixel, size));
-    Leaders leaders = dynamic_leaders(pixel_triangles(min(pixel, size - 1)));
-    leaders.mask = inside ? leaders.mask : 0u;
+    uint leaders = texelFetch(leaders_image, min(pixel, size - 1), 0).x;
     uint from = pixel_block(pixel);
     // One after the other in the order of their samples, so that every pixel's blocks of a level follow each other.
-    for (uint left = leaders.mask; left != 0u; left &= left - 1u) {
+    for (uint left = inside ? leaders & 255u : 0u; left != 0u; left &= left - 1u) {
       uint s = uint(findLSB(left));
       uint level = leader_level(leaders, s), next = 0u;
       for (uint l = 0u; l < kLevels; ++l) {
@@ -35,8 +35,9 @@ void main() {
         place[l] += l == level ? 1u : 0u;
       }
       for (bool fits = next < pool.capacity; fits; fits = false) {
-        uint block = first_dynamic() + next;
-        words.word[pointer_word(from)] = make_link(block, leader_count(leaders, s), s);
+        uint block = first_dynamic() + next, link = make_link(block, leader_count(leaders, s), s);
+        words.word[pointer_word(from)] = link;
+        if (LIGHTING == LINK_LIGHT_BLOCKS) pool.owners.word[next] = make_owner(pixel, link);
         from = block;
       }
     }

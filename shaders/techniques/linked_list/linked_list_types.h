@@ -29,16 +29,23 @@ namespace subpixel::gpu_types {
 #define LINK_FIRST_SAMPLE 0u   // the pre-allocated block is that of sample 0, empty when sample 0 shows the sky
 #define LINK_FIRST_COVERED 1u  // ... of the first covered sample
 
+// Specialization constant 12.
+#define LINK_LIGHT_BLOCKS 0u  // dynamic blocks one by one, then pixels
+#define LINK_LIGHT_LISTS 1u   // pixels, each its list
+#define LINK_OWNER_BITS 32
+#define LINK_OWNER_SIDE_BITS 13
+
 // Pixels along the side of the tiles that allocation counts by.
 #define LINK_TILE 8u
 
 // Storage buffer: where the blocks are.
 struct LinkPool {
 #ifdef __cplusplus
-  std::uint64_t words;
+  std::uint64_t words, owners;
   std::uint32_t
 #else
-  LinkWords words;
+  LinkWords words;   // of the blocks
+  LinkWords owners;  // of each dynamic block: pixel x, y in 13 bits, samples less one, sample; with lighting by blocks
   uint
 #endif
       capacity,   // dynamic blocks
@@ -47,7 +54,7 @@ struct LinkPool {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(LinkPool) == 24);
+static_assert(sizeof(LinkPool) == 32);
 }  // namespace subpixel::gpu_types
 #endif
 #endif

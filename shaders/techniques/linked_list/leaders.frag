@@ -1,0 +1,13 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// The fragments of each pixel that need a dynamic block.
+// Reads: visibility (slot 0). Writes: dynamic_leaders().
+layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "include/coverage.glsl"
+#include "techniques/linked_list/leaders.glsl"
+
+layout(location = 0) out uint out_leaders;
+
+void main() { out_leaders = dynamic_leaders(pixel_triangles(pixel_of(gl_FragCoord.xy))); }
