@@ -33,19 +33,41 @@ TEST(LinkedList, SameImageHoweverBlocksAreGivenOut) {
       EXPECT_TRUE(expected == run_grass("linked_list", {{"samples", samples}, {"allocation", allocation}}))
           << allocation << " " << samples;
     // The chosen sample decides only where pixels that sample 0 sees through are kept.
-    const TechniqueRun covered = run_grass("linked_list", {{"samples", samples}, {"first_block", "covered"}});
-    EXPECT_TRUE(expected == covered) << samples;
+    const auto lists = [&](const char* first) {
+      return run_grass("linked_list", {{"samples", samples}, {"first_block", first}, {"lighting", "lists"}});
+    };
+    EXPECT_TRUE(lists("sample") == lists("covered")) << samples;
+  }
+}
+
+TEST(LinkedList, LightingByBlocksShowsWhatListsShow) {
+  for (const double pool : {7.0, 0.3}) {
+    const TechniqueRun blocks = run_grass("linked_list", {{"pool", pool}, {"lighting", "blocks"}});
+    const TechniqueRun lists = run_grass("linked_list", {{"pool", pool}, {"lighting", "lists"}});
+    EXPECT_EQ(blocks.maps, lists.maps);
+    bool rounded = false;
+    for (std::size_t i = 0; i < lists.radiance.size(); ++i) {
+      ASSERT_EQ(blocks.radiance[i].w, lists.radiance[i].w) << "pixel " << i;
+      // Lit values are kept with 14 significant bits.
+      for (int c = 0; c < 3; ++c) {
+        ASSERT_NEAR(blocks.radiance[i][c], lists.radiance[i][c], 0x1p-14f * lists.radiance[i][c] + 1e-6f)
+            << "pixel " << i;
+        rounded = rounded || blocks.radiance[i][c] != lists.radiance[i][c];
+      }
+    }
+    EXPECT_TRUE(rounded);
   }
 }
 
 TEST(LinkedList, ErrorFallsWithThePool) {
-  const TechniqueRun all = run_grass("linked_list", {});
+  const TechniqueRun all = run_grass("linked_list", {{"lighting", "lists"}});
   const auto blocks = all.maps.at("blocks");
   const double needed = std::accumulate(blocks.begin(), blocks.end(), 0.0) / static_cast<double>(blocks.size());
   for (const char* first : {"sample", "covered"}) {
     double before = 1;
     for (int step = 0; step <= 16; ++step) {
-      const TechniqueRun run = run_grass("linked_list", {{"pool", needed * step / 16}, {"first_block", first}});
+      const TechniqueRun run =
+          run_grass("linked_list", {{"pool", needed * step / 16}, {"first_block", first}, {"lighting", "lists"}});
       const double error = mean_squared_difference(run, all);
       EXPECT_LT(error, before) << first << " " << step;
       before = error > 0 ? error : 1e-30;
@@ -101,6 +123,7 @@ TEST(LinkedList, PlainSky) {
 TEST(LinkedList, SameOnAllThreads) {
   expect_same_on_all_threads("linked_list", {});
   expect_same_on_all_threads("linked_list", {{"allocation", "atomic"}});
+  expect_same_on_all_threads("linked_list", {{"lighting", "lists"}});
 }
 
 TEST(LinkedList, SameOnAllThreadsWhenThePoolIsTooSmall) {

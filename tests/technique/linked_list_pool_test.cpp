@@ -32,6 +32,8 @@ struct Kind {
   const char* allocation;
   const char* first_block;
   int samples;
+  // Lists leave the attributes in the blocks; lighting by blocks puts lit values there.
+  const char* lighting = "lists";
 };
 
 class LinkedListPool : public testing::TestWithParam<Kind> {
@@ -39,9 +41,11 @@ class LinkedListPool : public testing::TestWithParam<Kind> {
   ParameterValues parameters() const {
     return {{"allocation", GetParam().allocation},
             {"first_block", GetParam().first_block},
-            {"samples", GetParam().samples}};
+            {"samples", GetParam().samples},
+            {"lighting", GetParam().lighting}};
   }
   bool first_covered() const { return std::string(GetParam().first_block) == "covered"; }
+  bool attributes() const { return std::string(GetParam().lighting) == "lists"; }
   bool atomic() const { return std::string(GetParam().allocation) == "atomic"; }
 };
 
@@ -53,7 +57,7 @@ TEST_P(LinkedListPool, HoldsEveryVisibleFragmentOnce) {
   // More than enough, exactly enough, and half.
   for (const std::uint64_t blocks : {wanted + 1000, wanted, wanted / 2}) {
     SCOPED_TRACE(testing::Message() << blocks << " of " << wanted << " blocks");
-    expect_consistent(scene.run(parameters(), blocks), oracle, first_covered(), !atomic());
+    expect_consistent(scene.run(parameters(), blocks), oracle, first_covered(), !atomic(), attributes());
     if (HasFailure()) return;
   }
 }
@@ -89,7 +93,7 @@ TEST_P(LinkedListPool, EverySizeFromNothingUp) {
   for (std::uint64_t blocks = 0; blocks <= wanted + 2; ++blocks) {
     SCOPED_TRACE(testing::Message() << blocks << " of " << wanted << " blocks");
     const ListRun run = scene.run(parameters(), blocks);
-    const StoredFragments stored = expect_consistent(run, oracle, first_covered(), !atomic());
+    const StoredFragments stored = expect_consistent(run, oracle, first_covered(), !atomic(), attributes());
     std::uint64_t wrong = 0;
     for (std::size_t i = 0; i < oracle.pixels(); ++i) {
       if (oracle.samples() > 2) {
@@ -116,14 +120,17 @@ TEST_P(LinkedListPool, EverySizeFromNothingUp) {
   EXPECT_EQ(wrong_before, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Kinds, LinkedListPool,
-    testing::Values(Kind{"largest", "sample", 2}, Kind{"largest", "sample", 4}, Kind{"largest", "sample", 8},
-                    Kind{"largest", "covered", 8}, Kind{"tiles", "sample", 8}, Kind{"tiles", "covered", 4},
-                    Kind{"atomic", "sample", 8}, Kind{"atomic", "covered", 4}, Kind{"atomic", "sample", 2}),
-    [](const auto& kind) {
-      return fmt::format("{}_{}_{}", kind.param.allocation, kind.param.first_block, kind.param.samples);
-    });
+INSTANTIATE_TEST_SUITE_P(Kinds, LinkedListPool,
+                         testing::Values(Kind{"largest", "sample", 2}, Kind{"largest", "sample", 4},
+                                         Kind{"largest", "sample", 8}, Kind{"largest", "covered", 8},
+                                         Kind{"tiles", "sample", 8}, Kind{"tiles", "covered", 4},
+                                         Kind{"atomic", "sample", 8}, Kind{"atomic", "covered", 4},
+                                         Kind{"atomic", "sample", 2}, Kind{"largest", "sample", 8, "blocks"},
+                                         Kind{"atomic", "covered", 4, "blocks"}),
+                         [](const auto& kind) {
+                           return fmt::format("{}_{}_{}_{}", kind.param.allocation, kind.param.first_block,
+                                              kind.param.samples, kind.param.lighting);
+                         });
 
 TEST(LinkedListAllocation, TheLargestFragmentsComeFirst) {
   ListScene scene(little_grass(), 61, 37);
