@@ -57,6 +57,20 @@ float sun_visibility(vec3 position, vec3 normal, float normal_light) {
   return covered ? sum * (1.0 / 9.0) : 1.0;
 }
 
+// Irradiance per intensity of point light i at `position`; `light`: the unit vector towards it.
+float point_light_attenuation(uint i, vec3 position, out vec3 light) {
+  vec4 position_range = frame.point_lights[i].position_range;
+  float inverse_range_squared = frame.point_lights[i].intensity.w;
+  vec3 to_light = position_range.xyz - position;
+  float distance_squared = dot(to_light, to_light);
+  float inverse = inversesqrt(max(distance_squared, 1e-20));
+  light = to_light * inverse;
+  float x = distance_squared * inverse_range_squared;  // (distance / range)^2
+  float window = max(1.0 - x * x, 0.0);
+  float ceiling = inverse_range_squared * (1.0 / (kInnermostFraction * kInnermostFraction));
+  return window * window * min(inverse * inverse, ceiling);
+}
+
 // Radiance towards the eye along `view_direction`, the unit vector from the surface to the eye.
 vec3 shade(Surface s, vec3 view_direction) {
   float length_squared = dot(s.normal, s.normal);
@@ -75,17 +89,10 @@ vec3 shade(Surface s, vec3 view_direction) {
   if (has_feature(FEATURE_POINT_LIGHTS)) {
     uint count = min(frame.counts.x, uint(SUBPIXEL_MAX_POINT_LIGHTS));
     for (uint i = 0u; i < count; ++i) {
-      vec4 position_range = frame.point_lights[i].position_range;
-      vec4 intensity = frame.point_lights[i].intensity;  // w: 1 / range^2
-      vec3 to_light = position_range.xyz - s.position;
-      float distance_squared = dot(to_light, to_light);
-      float inverse = inversesqrt(max(distance_squared, 1e-20));
-      vec3 light = to_light * inverse;
-      float x = distance_squared * intensity.w;  // (distance / range)^2
-      float window = max(1.0 - x * x, 0.0);
-      float ceiling = intensity.w * (1.0 / (kInnermostFraction * kInnermostFraction));
-      float attenuation = window * window * min(inverse * inverse, ceiling);
-      radiance += intensity.rgb * (attenuation * reflected(b, light, clamp(dot(s.normal, light), 0.0, 1.0)));
+      vec3 light;
+      float attenuation = point_light_attenuation(i, s.position, light);
+      radiance += frame.point_lights[i].intensity.rgb *
+                  (attenuation * reflected(b, light, clamp(dot(s.normal, light), 0.0, 1.0)));
     }
   }
   // min and max return the other operand for a NaN, so what an infinite position could make ends here.

@@ -1,0 +1,328 @@
+// Aggregate G-buffer anti-aliasing: n visibility samples a pixel are grouped into at most c aggregates, a second
+// geometry pass sums up the attributes of each, and each is shaded once, with lighting filtered over its normals and
+// positions. Crassin, McGuire, Fatahalian, Lefohn, "Aggregate G-Buffer Anti-Aliasing", extended version, IEEE
+// Transactions on Visualization and Computer Graphics 2016.
+//
+// What the paper's first pass stores for a sample is found through the visibility buffer: its depth, and by its
+// triangle the face normal, which a compute pass works out and rounds once for each triangle.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "replay/frontend/visibility.hpp"
+#include "replay/techniques/deferred.hpp"
+#include "shaders/frontend/frontend_types.h"
+#include "shaders/techniques/agaa/agaa_types.h"
+
+namespace subpixel::replay {
+namespace {
+
+constexpr VkFormat kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
+constexpr VkImageUsageFlags kTarget =
+    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+
+std::uint32_t aggregates(const FrameSetup& setup) {
+  return setup.parameters.at("aggregates").get<std::uint32_t>();
+}
+bool sggx(const FrameSetup& setup) {
+  return setup.choice("ndf") == "sggx";
+}
+bool float_storage(const FrameSetup& setup) {
+  return setup.choice("storage") == "float";
+}
+bool roughness_in_normal(const FrameSetup& setup) {
+  return setup.choice("roughness") == "in_normal";
+}
+
+// As in shaders/techniques/agaa/aggregate.glsl.
+std::uint32_t aggregate_words(const FrameSetup& setup) {
+  const std::uint32_t emission = setup.scene.features().has(FEATURE_EMISSIVE) ? 3 : 0;
+  if (float_storage(setup)) return 11 + emission + (sggx(setup) ? 6 : 0);
+  return 4 + (setup.samples > 8 ? 1 : 0) + emission + (sggx(setup) ? 3 : 0);
+}
+
+MemoryLayout layout(const FrameSetup& setup) {
+  const SceneFeatures features = setup.scene.features();
+  const double n = setup.samples, c = aggregates(setup);
+  const double membership = aggregates(setup) > 2 ? 2 : aggregates(setup) - 1.0;  // bits that name an aggregate
+  const double mask = std::max(n, 8.0), moments = sggx(setup) ? 96 : 0;
+  MemoryLayout memory;
+  // Section 4.3 and figure 7: 16 bytes an aggregate with a mask of 8 bits, 6 bytes a sample; section 3.3 for the rest.
+  memory.paper = {
+      {"depth", 32 * n}, {"face normals", 16 * n}, {"membership", membership * n}, {"aggregates", (120 + mask) * c}};
+  double attributes = 48 + 30;  // normal, diffuse colour
+  if (features.has(FEATURE_METAL)) attributes += 32;
+  if (features.has(FEATURE_VARYING_ROUGHNESS) && !roughness_in_normal(setup)) attributes += 8;
+  if (features.has(FEATURE_EMISSIVE)) attributes += 66;
+  if (float_storage(setup)) attributes = 32.0 * (aggregate_words(setup) - 1 - (sggx(setup) ? 6 : 0));
+  memory.fitted = {{"depth", 32 * n},
+                   {"face normals", aggregates(setup) > 1 ? 16 * n : 0},
+                   {"membership", membership * n},
+                   {"aggregates", (attributes + n) * c}};
+  if (sggx(setup)) {
+    memory.paper.push_back({"normals' second moments", moments * c});
+    memory.fitted.push_back({"normals' second moments", (float_storage(setup) ? 192 : moments) * c});
+  }
+  return memory;
+}
+
+gpu::Constants agaa_constants(const FrameSetup& setup) {
+  std::uint32_t options = 0;
+  if (float_storage(setup)) options |= AGAA_FLOAT;
+  if (sggx(setup)) options |= AGAA_SGGX;
+  if (roughness_in_normal(setup)) options |= AGAA_ROUGHNESS_IN_NORMAL;
+  return {{7, aggregates(setup)}, {8, options}, {9, static_cast<std::uint32_t>(setup.number("shadow_taps"))}};
+}
+
+void append(gpu::Constants& constants, const gpu::Constants& more) {
+  constants.insert(constants.end(), more.begin(), more.end());
+}
+
+// Of the frame's camera: positions relative to it keep their digits wherever it is.
+struct ViewSpace {
+  glm::mat4 from_clip{1};
+  bool looks_along_z = false;  // +z, else -z
+  float largest_polar = 0;     // radians from the axis towards the eye that a visible face normal can have
+};
+
+ViewSpace view_space(const FrameSetup& setup) {
+  const gpu_types::FrameConstants& frame = setup.scene.constants();
+  const glm::dmat4 from_clip = glm::dmat4(frame.view) * glm::inverse(glm::dmat4(frame.view_projection));
+  const auto at = [&](double x, double y, double depth) {
+    const glm::dvec4 p = from_clip * glm::dvec4(x, y, depth, 1);
+    return glm::dvec3(p) / p.w;
+  };
+  ViewSpace space;
+  space.from_clip = glm::mat4(from_clip);
+  space.looks_along_z = at(0, 0, 0.5).z > at(0, 0, 1).z;
+  double field = 0;
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0}) {
+      const glm::dvec3 along = glm::normalize(at(x, y, 0.5) - at(x, y, 1));
+      field = std::max(field, std::acos(std::clamp(std::abs(along.z), 0.0, 1.0)));
+    }
+  space.largest_polar = static_cast<float>(std::min(std::numbers::pi, std::numbers::pi / 2 + field));
+  return space;
+}
+
+// A rounded face normal for each triangle record, 4 bytes.
+gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const FrameSetup& setup, const ViewSpace& space) {
+  Frontend& frontend = setup.frontend;
+  GpuScene& scene = setup.scene;
+  gpu::Buffer& faces =
+      recorder.buffer("face normals", frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 4);
+  constexpr std::uint32_t kRow = 1024;  // workgroups of 64 in x
+  const auto groups = static_cast<std::uint32_t>((frontend.hull_count() + 63) / 64);
+  struct {
+    std::uint64_t hulls, records, positions, indices, instances, faces;
+    std::uint32_t hull_count, row;
+    float largest_polar;
+  } const push{frontend.hull_indices().address(),
+               frontend.records().address(),
+               scene.positions.address(),
+               scene.indices.address(),
+               scene.instances.address(),
+               faces.address(),
+               static_cast<std::uint32_t>(frontend.hull_count()),
+               64 * kRow,
+               space.largest_polar};
+  gpu::ComputePass pass;
+  pass.name = "face normals";
+  pass.shader = "techniques/agaa/faces.comp";
+  pass.constants = frontend.constants();
+  pass.constants.emplace_back(8, space.looks_along_z ? AGAA_DISTANCE_ALONG_VIEW : 0u);
+  pass.bindings = {gpu::uniform(scene.frame_constants)};
+  pass.by_address = {&frontend.hull_indices(), &frontend.records(), &scene.positions,
+                     &scene.indices,           &scene.instances,    &faces};
+  pass.push = gpu::PushConstants(push);
+  pass.groups = {std::min(groups, kRow), (groups + kRow - 1) / kRow, 1};
+  recorder.compute(std::move(pass));
+  return faces;
+}
+
+// Bits 0 and 1 of every sample's aggregate, one word of samples for each.
+gpu::Image& record_definition(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
+                              const ViewSpace& space) {
+  gpu::Buffer& faces = record_faces(recorder, setup, space);
+  const VkFormat format = aggregates(setup) > 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32_UINT;
+  gpu::Image& membership =
+      recorder.image({"membership", format, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
+  gpu::RasterPass pass;
+  pass.name = "define";
+  pass.pipeline.vertex = "shade/fullscreen.vert";
+  pass.pipeline.fragment = "techniques/agaa/define.frag";
+  pass.pipeline.constants = setup.frontend.constants();
+  append(pass.pipeline.constants, agaa_constants(setup));
+  pass.pipeline.targets.colours = {format};
+  pass.colours = {{membership}};
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::samples(0, visibility)};
+  pass.by_address = {&faces};
+  struct {
+    glm::mat4 view_from_clip;
+    std::uint64_t faces;
+    float inverse_length, separation;
+  } const push{space.from_clip, faces.address(), static_cast<float>(1 / setup.number("length")),
+               static_cast<float>(setup.number("separation"))};
+  pass.push = gpu::PushConstants(push);
+  recorder.raster(std::move(pass));
+  return membership;
+}
+
+struct State {
+  gpu::Buffer* sums = nullptr;
+  gpu::Buffer* description = nullptr;  // AggregateState of sums_access.glsl
+};
+
+State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  State state;
+  state.sums = &recorder.buffer(
+      "aggregates", std::uint64_t{setup.width} * setup.height * aggregates(setup) * aggregate_words(setup) * 4);
+  state.description = &recorder.buffer("aggregate state", 16);
+  float largest = 0;
+  for (const auto& material :
+       setup.scene.materials.as<gpu_types::MaterialRecord>().first(setup.scene.constants().counts.y))
+    for (int c = 0; c < 3; ++c) largest = std::max(largest, material.emissive_cutoff[c]);
+  state.description->as<std::uint64_t>()[0] = state.sums->address();
+  state.description->as<float>()[2] = largest > 0 && std::isfinite(largest) ? largest : 1.0f;
+  return state;
+}
+
+void record_generation(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
+                       gpu::Image* membership, const State& state) {
+  recorder.fill("generate", *state.sums, 0);
+  Frontend::GeometryPass geometry;
+  geometry.by_material = true;
+  geometry.fragment_opaque = "techniques/agaa/accumulate.frag";
+  gpu::RasterPass& pass = geometry.pass;
+  pass.name = "generate";
+  pass.size = {setup.width, setup.height};
+  pass.pipeline.constants = common_constants(setup);
+  append(pass.pipeline.constants, agaa_constants(setup));
+  pass.bindings = {gpu::samples(0, visibility), gpu::reads(0, *state.description)};
+  if (membership) pass.bindings.push_back(gpu::samples(1, *membership));
+  pass.by_address = {state.sums};
+  setup.frontend.record_geometry(recorder, std::move(geometry));
+}
+
+void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
+                    const ViewSpace& space, const State& state) {
+  const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+                                     kTarget,  false};
+  setup.outputs.radiance = &recorder.image(output);
+  setup.outputs.display = &recorder.image(output);
+  gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/agaa/shade.frag");
+  append(pass.pipeline.constants, agaa_constants(setup));
+  pass.pipeline.targets.colours = {kFloats, kFloats};
+  pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  pass.bindings.insert(pass.bindings.end(), {gpu::samples(0, visibility), gpu::reads(0, *state.description),
+                                             gpu::reads(10, setup.scene.materials)});
+  pass.by_address = {state.sums};
+  pass.push = gpu::PushConstants(space.from_clip);
+  recorder.raster(std::move(pass));
+}
+
+// Read off the aggregates in a host step, so that the maps cost the technique no time, and once, since every run leaves
+// the same aggregates.
+void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, const ViewSpace& space,
+                 const State& state) {
+  gpu::RasterPass pass = lighting_pass(setup, "maps", "techniques/agaa/maps.frag");
+  append(pass.pipeline.constants, agaa_constants(setup));
+  for (const char* name : {"aggregates", "normal_variance", "footprint"}) {
+    gpu::Image& map = map_image(recorder, setup, name);
+    setup.outputs.maps.emplace_back(name, &map);
+    pass.pipeline.targets.colours.push_back(map.description().format);
+    pass.colours.emplace_back(map);
+  }
+  pass.bindings.insert(pass.bindings.end(), {gpu::samples(0, visibility), gpu::reads(0, *state.description)});
+  pass.by_address = {state.sums};
+  pass.push = gpu::PushConstants(space.from_clip);
+  recorder.host([&device = recorder.device(), pass = std::move(pass), done = false]() mutable {
+    if (done) return;
+    gpu::PassRecorder own(device);
+    own.raster(pass);
+    own.run();
+    done = true;
+  });
+}
+
+void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  setup.frontend.record_setup(recorder);
+  gpu::Image& visibility = record_visibility(recorder, setup);
+  const ViewSpace space = view_space(setup);
+  gpu::Image* const membership =
+      aggregates(setup) > 1 ? &record_definition(recorder, setup, visibility, space) : nullptr;
+  const State state = make_state(recorder, setup);
+  record_generation(recorder, setup, visibility, membership, state);
+  record_shading(recorder, setup, visibility, space, state);
+  record_maps(recorder, setup, visibility, space, state);
+}
+
+Parameter number(std::string_view name, std::string_view doc, std::string_view unit, double minimum, double maximum,
+                 double default_value) {
+  Parameter p;
+  p.name = name;
+  p.kind = ParameterKind::number;
+  p.doc = doc;
+  p.unit = unit;
+  p.minimum = minimum;
+  p.maximum = maximum;
+  p.default_value = default_value;
+  return p;
+}
+
+Parameter choice(std::string_view name, std::string_view doc, std::vector<std::string_view> choices) {
+  Parameter p;
+  p.name = name;
+  p.kind = ParameterKind::choice;
+  p.doc = doc;
+  p.default_value = std::string(choices.front());
+  p.choices = std::move(choices);
+  return p;
+}
+
+Parameters parameters() {
+  Parameter count;
+  count.name = "aggregates";
+  count.doc = "aggregates a pixel may have";
+  count.minimum = 1;
+  count.maximum = AGAA_MAX_AGGREGATES;
+  count.default_value = 2;
+  Parameter taps;
+  taps.name = "shadow_taps";
+  taps.doc = "points of an aggregate's footprint at which its shadow is looked up";
+  taps.minimum = 1;
+  taps.maximum = 8;
+  taps.allowed = {1, 2, 4, 8};
+  taps.default_value = 4;
+  return {count,
+          samples_parameter({4, 8, 16, 32}, 8),
+          number("length", "largest scale of local detail: a distance as large parts samples as opposite normals do",
+                 "world units", 1e-6, 1e6, 0.1),
+          number("separation", "an aggregate is only made farther than this from the others, in the paper's distance",
+                 "", 0, 1e6, 0.01),
+          choice("ndf", "distribution of normals: isotropic, by the mean's length, or anisotropic, by second moments",
+                 {"toksvig", "sggx"}),
+          choice("roughness", "kept as a mean, or by shortening the normals", {"mean", "in_normal"}),
+          choice("storage", "sums in the paper's fixed point, or in floats", {"fixed", "float"}),
+          taps,
+          alpha_parameter(),
+          resolve_parameter(),
+          shading_parameter()};
+}
+
+}  // namespace
+
+extern const Technique kAgaa;
+
+const Technique kAgaa{
+    "agaa",
+    "Aggregate G-buffer anti-aliasing",
+    "Crassin, McGuire, Fatahalian, Lefohn: Aggregate G-Buffer Anti-Aliasing, extended version. IEEE TVCG 2016",
+    parameters(),
+    {{"aggregates", "Aggregates", "aggregates", AGAA_MAX_AGGREGATES},
+     {"normal_variance", "Variance of normals within aggregates", "thousandths", 1000},
+     {"footprint", "Deviation of positions within an aggregate", "thousandths of a world unit", 1000}},
+    layout,
+    record};
+
+}  // namespace subpixel::replay

@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// Aggregate G-buffer generation (AGAA paper, algorithm 2): a fragment adds its attributes, weighted by the samples it is seen
+// in, to the aggregate of the first of them. Seen is a sample whose triangle is the fragment's: of coplanar duplicates one.
+// Reads: visibility (slot 0), the samples' aggregates (slot 1). Reads and writes: the pixel's aggregates.
+#define WITH_UV
+#define WITH_ATTRIBUTES
+#include "frontend/fragment.glsl"
+#include "include/visibility.glsl"
+#include "techniques/agaa/aggregate.glsl"
+
+layout(constant_id = 7) const uint AGGREGATES = 2u;
+layout(set = 0, binding = 13) uniform usampler2D aggregates;
+#include "techniques/agaa/sums_access.glsl"
+
+void main() {
+  ivec2 pixel = pixel_of(gl_FragCoord.xy);
+  uvec4 own = uvec4(fragment_triangle());
+  uint mask = 0u;
+  for (uint quad = 0u; quad < SAMPLES / 4u; ++quad) {
+    bvec4 same = equal(visible_triangles(pixel, SAMPLES, quad), own);
+    uvec4 bits = mix(uvec4(0u), uvec4(1u, 2u, 4u, 8u), same);
+    mask |= (bits.x | bits.y | bits.z | bits.w) << 4u * quad;
+  }
+  // A loop, so that groups of fragments that show nothing skip it.
+  for (bool seen = mask != 0u; seen; seen = false) {
+    uint first = uint(findLSB(mask));
+    uint aggregate = 0u;
+    if (AGGREGATES > 1u) {
+      uvec2 planes = texelFetch(aggregates, pixel, 0).xy;
+      aggregate = (planes.x >> first & 1u) | (AGGREGATES > 2u ? (planes.y >> first & 1u) << 1 : 0u);
+    }
+    Surface surface = fragment_surface(pixel, shading_offset(fragment_edges(pixel), SAMPLES));
+    AggregateWords more = fragment_words(surface, mask, first, 1.0 / state.largest_emission);
+    uint base = first_word(pixel, aggregate);
+    for (uint i = 0u; i < kAggregateWords; ++i)
+      state.sums.words[base + i] = sum_of_words(i, state.sums.words[base + i], more.word[i]);
+  }
+}

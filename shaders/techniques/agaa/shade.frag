@@ -1,0 +1,42 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// Aggregate deferred shading (AGAA paper, section 3.5): one lighting execution for each aggregate of a pixel, composited by
+// samples over the sky.
+// Reads: visibility (slot 0), the pixel's aggregates, materials, shadow map.
+// Writes: linear radiance with the lighting executions in a; display values.
+layout(constant_id = 0) const uint SAMPLES = 8u;
+layout(constant_id = 7) const uint AGGREGATES = 2u;
+#include "include/resolve.glsl"
+#include "include/visibility.glsl"
+#include "techniques/agaa/shading.glsl"
+#include "techniques/agaa/footprint.glsl"
+#include "techniques/agaa/sums_access.glsl"
+
+layout(set = 0, binding = 11, scalar) readonly buffer Materials { MaterialRecord materials[]; };
+layout(push_constant, scalar) uniform Push { mat4 view_from_clip; } push;
+layout(location = 0) out vec4 out_radiance;
+layout(location = 1) out vec4 out_display;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec3 sum = vec3(0.0);
+  uint shaded = 0u, executions = 0u;
+  for (uint k = 0u; k < AGGREGATES; ++k) {
+    uint mask = aggregate_mask(state.sums.words[first_word(pixel, k) + kMaskWord]);
+    // A loop, so that groups of pixels without such an aggregate skip the lighting.
+    for (bool stored = mask != 0u; stored; stored = false) {
+      Aggregate a = aggregate_of_words(stored_words(pixel, k), materials[0].metal_rough.y, state.largest_emission);
+      vec3 view;
+      Footprint footprint = aggregate_footprint(push.view_from_clip, pixel, mask, view);
+      sum += float(int(bitCount(mask))) * resolvable(shade_aggregate(a, footprint, view));
+      shaded += bitCount(mask);
+      ++executions;
+    }
+  }
+  vec3 mean = (sum + resolvable(frame.sky.rgb) * float(int(SAMPLES - shaded))) / float(SAMPLES);
+  vec3 radiance = resolved_radiance(mean);
+  out_radiance = vec4(radiance, float(int(executions)));
+  out_display = vec4(display_from_radiance(radiance), 1.0);
+}

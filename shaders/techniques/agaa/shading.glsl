@@ -1,0 +1,204 @@
+// The radiance an aggregate sends to the eye: lighting filtered over the distribution of its normals and positions.
+// Reads: frame constants, shadow map. An aggregate of one normal and one position is lit as shade() of lights.glsl would.
+#ifndef SUBPIXEL_AGAA_SHADING_GLSL
+#define SUBPIXEL_AGAA_SHADING_GLSL
+
+#include "include/lights.glsl"
+#include "techniques/agaa/aggregate.glsl"
+
+layout(constant_id = 9) const uint SHADOW_TAPS = 4u;
+
+// GGX alpha^2 for a unit of variance of the normals.
+const float kSlopeVariance = 1.0;
+
+// Where an aggregate is: mean and spread of its samples' positions, world space.
+struct Footprint {
+  vec3 mean;
+  vec3 axis[3];  // columns of a square root of the covariance matrix
+};
+
+// The distribution's part of the evaluation, the same for all lights.
+struct Lobe {
+  Brdf brdf;          // around the mean direction
+  vec3 mean;          // of the normals, not longer than 1
+  vec2 spread;        // variance of the normals along the mean direction and across it, when isotropic
+  vec3 moments, mixed_moments;
+  // GGX alpha^2 as a matrix (xx, xy, yy) on the tangents, its inverse, its determinant's root; sggx only
+  vec3 tangent, bitangent, matrix, inverse;
+  float root;
+};
+
+// x^T M x for a symmetric matrix as moments are kept.
+float quadratic(vec3 diagonal, vec3 mixed, vec3 x) {
+  return dot(diagonal, x * x) + 2.0 * dot(mixed, x.xxy * x.yzz);
+}
+float quadratic(vec3 matrix, vec2 x) { return matrix.x * x.x * x.x + 2.0 * matrix.y * x.x * x.y + matrix.z * x.y * x.y; }
+
+Lobe prepare_lobe(Aggregate a, vec3 view) {
+  Lobe lobe;
+  float mean_length = min(length(a.normal), 1.0);
+  bool directed = mean_length > 1e-4;
+  vec3 direction = directed ? a.normal / mean_length : view;
+  lobe.mean = a.normal;
+  lobe.moments = a.moments;
+  lobe.mixed_moments = a.mixed_moments;
+  // Moments of the von Mises-Fisher distribution with this mean (Banerjee et al. 2005 for its concentration): across
+  // length / concentration, along what is left of 1.
+  float across = (1.0 - mean_length * mean_length) / (3.0 - mean_length * mean_length);
+  lobe.spread = vec2(max(1.0 - 2.0 * across - mean_length * mean_length, 0.0), across);
+
+  float alpha_squared = alpha_squared_of_roughness(a.roughness);
+  float filtered;
+  if (agaa_option(AGAA_ROUGHNESS_IN_NORMAL)) {
+    filtered = clamp(alpha_squared_of(mean_length / max(1.0 - mean_length, 1e-6)), alpha_squared_of_roughness(0.0), 1.0);
+  } else {
+    // Steps 1 to 4 of section 3.5.2.
+    float exponent = exponent_of(alpha_squared);
+    float toksvig = mean_length / (mean_length + exponent * (1.0 - mean_length));
+    filtered = alpha_squared_of(toksvig * exponent);
+  }
+  lobe.tangent = lobe.bitangent = lobe.matrix = lobe.inverse = vec3(0.0);
+  lobe.root = 0.0;
+  if (agaa_option(AGAA_SGGX)) {
+    // The SGGX matrix of a rough surface averaged over the normals (Heitz et al. 2015), in the frame of the mean direction
+    // and scaled to 1 along it.
+    float side = direction.z < 0.0 ? -1.0 : 1.0;
+    float p = -1.0 / (side + direction.z), q = direction.x * direction.y * p;
+    lobe.tangent = vec3(1.0 + side * direction.x * direction.x * p, side * q, -side * direction.x);
+    lobe.bitangent = vec3(q, side + direction.y * direction.y * p, -direction.y);
+    vec3 m = vec3(quadratic(a.moments, a.mixed_moments, lobe.tangent), 0.0,
+                  quadratic(a.moments, a.mixed_moments, lobe.bitangent));
+    vec3 t = lobe.tangent, b = lobe.bitangent;
+    m.y = dot(a.moments, t * b) + dot(a.mixed_moments, t.xxy * b.yzz + t.yzz * b.xxy);
+    float along = max(quadratic(a.moments, a.mixed_moments, direction), 1e-2);
+    m = max(m * (kSlopeVariance / along), vec3(0.0, -1.0, 0.0));
+    lobe.matrix = vec3(m.x + alpha_squared, m.y, m.z + alpha_squared);
+    float determinant = max(lobe.matrix.x * lobe.matrix.z - lobe.matrix.y * lobe.matrix.y, alpha_squared * alpha_squared);
+    lobe.inverse = vec3(lobe.matrix.z, -lobe.matrix.y, lobe.matrix.x) / determinant;
+    lobe.root = sqrt(determinant);
+    filtered = min(lobe.root, 1.0);
+  }
+
+  Brdf b;
+  b.normal = direction;
+  b.view = view;
+  b.alpha_squared = filtered;
+  b.exponent = exponent_of(filtered);
+  b.diffuse = a.diffuse * (1.0 / kPi);
+  b.reflectance = a.reflectance;
+  b.cosine = dot(direction, view);
+  b.normal_view = clamp(b.cosine, kCosineFloor, 1.0);
+  b.smith_view = sqrt(b.normal_view * b.normal_view * (1.0 - b.alpha_squared) + b.alpha_squared);
+  if (agaa_option(AGAA_SGGX)) {
+    float sloped = quadratic(lobe.matrix, vec2(dot(lobe.tangent, view), dot(lobe.bitangent, view)));
+    b.smith_view = sqrt(b.normal_view * b.normal_view + sloped);
+  }
+  // As prepare_brdf() of brdf.glsl.
+  float roughness = sqrt(sqrt(filtered));
+  vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+  float a004 = min(r.x * r.x, exp2(-9.28 * b.normal_view)) * r.x + r.y;
+  vec2 scale_bias = vec2(-1.04, 1.04) * a004 + r.zw;
+  vec3 specular = clamp(b.reflectance * scale_bias.x + scale_bias.y, 0.0, 1.0);
+  b.ambient = a.diffuse * (1.0 - specular) + specular;
+  lobe.brdf = b;
+  return lobe;
+}
+
+// The mean over the normals of max(cosine with `light`, 0). With m and v the mean and the variance of the cosine,
+// (m + sqrt(m^2 + 2 v / pi)) / 2: exact for v = 0, and at m = 0 for a normal distribution. Filters diffuse light as Baker and
+// Hill 2012 do with a table, by moments that Toksvig's vector or the second moments give.
+float filtered_cosine(Lobe lobe, vec3 light) {
+  float mean = dot(lobe.mean, light);
+  float variance;
+  if (agaa_option(AGAA_SGGX)) {
+    variance = max(quadratic(lobe.moments, lobe.mixed_moments, light) - mean * mean, 0.0);
+  } else {
+    float c = dot(lobe.brdf.normal, light);
+    variance = lobe.spread.y + (lobe.spread.x - lobe.spread.y) * c * c;
+  }
+  return 0.5 * (mean + sqrt(mean * mean + (2.0 / kPi) * variance));
+}
+
+// BRDF times cosine, as reflected() of brdf.glsl, filtered.
+vec3 lobe_reflected(Lobe lobe, vec3 light) {
+  Brdf b = lobe.brdf;
+  float diffuse_cosine = filtered_cosine(lobe, light);
+  float normal_light = clamp(dot(b.normal, light), 0.0, 1.0);
+  float half_squared = max(2.0 + 2.0 * dot(light, b.view), 1e-6);
+  float sum = max(normal_light + b.cosine, 0.0);
+  float sum_squared = min(sum * sum, half_squared);
+  if (!agaa_option(AGAA_SGGX)) {
+    if (SHADING_MODEL == SHADING_MODEL_BLINN_PHONG) {
+      float lobe = sum > 0.0 ? exp2(0.5 * b.exponent * log2(max(sum_squared / half_squared, 1e-30))) : 0.0;
+      return b.diffuse * diffuse_cosine + b.reflectance * ((b.exponent + 8.0) * (0.125 / kPi) * lobe * normal_light);
+    }
+    float denominator = max((b.alpha_squared - 1.0) * sum_squared + half_squared, b.alpha_squared * half_squared);
+    float smith_light = sqrt(normal_light * normal_light * (1.0 - b.alpha_squared) + b.alpha_squared);
+    float visibility = normal_light * b.smith_view + b.normal_view * smith_light;
+    float value = b.alpha_squared * half_squared * half_squared / (2.0 * kPi * denominator * denominator * visibility);
+    float grazing = 1.0 - min(0.5 * sqrt(half_squared), 1.0);
+    float schlick = grazing * grazing * grazing * grazing * grazing;
+    vec3 fresnel = b.reflectance + (1.0 - b.reflectance) * schlick;
+    return b.diffuse * (1.0 - fresnel) * diffuse_cosine + fresnel * (value * normal_light);
+  }
+  vec2 halfway = vec2(dot(lobe.tangent, light + b.view), dot(lobe.bitangent, light + b.view));
+  float sloped = quadratic(lobe.inverse, halfway);
+  if (SHADING_MODEL == SHADING_MODEL_BLINN_PHONG) {
+    // The exponent across the highlight changes with the direction, as in Ashikhmin and Shirley 2000.
+    float exponent = max(2.0 * sloped / max(dot(halfway, halfway), 1e-20) - 2.0, 0.0);
+    float value = sum > 0.0 ? exp2(0.5 * exponent * log2(max(sum_squared / half_squared, 1e-30))) : 0.0;
+    return b.diffuse * diffuse_cosine + b.reflectance * ((b.exponent + 8.0) * (0.125 / kPi) * value * normal_light);
+  }
+  // D(h) = 1 / (pi sqrt|A| (n.h^2 + t^T A^-1 t)^2), times |h|^4.
+  float denominator = sum_squared + sloped;
+  vec2 light_slope = vec2(dot(lobe.tangent, light), dot(lobe.bitangent, light));
+  float smith_light = sqrt(normal_light * normal_light + quadratic(lobe.matrix, light_slope));
+  float visibility = max(normal_light * b.smith_view + b.normal_view * smith_light, 1e-6);
+  float value = half_squared * half_squared / (2.0 * kPi * lobe.root * denominator * denominator * visibility);
+  float grazing = 1.0 - min(0.5 * sqrt(half_squared), 1.0);
+  float schlick = grazing * grazing * grazing * grazing * grazing;
+  vec3 fresnel = b.reflectance + (1.0 - b.reflectance) * schlick;
+  return b.diffuse * (1.0 - fresnel) * diffuse_cosine + fresnel * (value * normal_light);
+}
+
+// The lit fraction of the footprint: the mean over points whose mean and covariance are the footprint's (4: corners of a
+// tetrahedron, 8: of a cube). A footprint within a shadow texel is one point: the shadow's own filter is wider.
+float footprint_visibility(Footprint f, vec3 normal, float normal_light) {
+  float visibility = 0.0;
+  float texel = frame.shadow_cascades[0].w;
+  float size = dot(f.axis[0], f.axis[0]) + dot(f.axis[1], f.axis[1]) + dot(f.axis[2], f.axis[2]);
+  bool wide = SHADOW_TAPS > 1u && size > 0.25 * texel * texel;
+  // Loops, so that groups of aggregates take the side all of them need.
+  for (bool narrow = !wide; narrow; narrow = false) visibility = sun_visibility(f.mean, normal, normal_light);
+  for (uint i = 0u; wide && i < SHADOW_TAPS; ++i) {
+    uint signs = SHADOW_TAPS == 8u ? i : (SHADOW_TAPS == 4u ? i | ((i ^ (i >> 1)) & 1u) << 2 : i * 7u);
+    vec3 point = f.mean;
+    for (uint k = 0u; k < 3u; ++k) point += (signs & (1u << k)) != 0u ? f.axis[k] : -f.axis[k];
+    visibility += sun_visibility(point, normal, normal_light) / float(SHADOW_TAPS);
+  }
+  return visibility;
+}
+
+// Radiance towards the eye along the unit vector `view`.
+vec3 shade_aggregate(Aggregate a, Footprint f, vec3 view) {
+  Lobe lobe = prepare_lobe(a, view);
+  vec3 radiance = frame.ambient.rgb * lobe.brdf.ambient + a.emissive;
+  if (has_feature(FEATURE_SUN)) {
+    vec3 light = -frame.sun_direction.xyz;
+    vec3 sun = frame.sun_irradiance.rgb * lobe_reflected(lobe, light);
+    float normal_light = clamp(dot(lobe.brdf.normal, light), 0.0, 1.0);
+    if (has_feature(FEATURE_SHADOWS)) sun *= footprint_visibility(f, lobe.brdf.normal, normal_light);
+    radiance += sun;
+  }
+  if (has_feature(FEATURE_POINT_LIGHTS)) {
+    uint count = min(frame.counts.x, uint(SUBPIXEL_MAX_POINT_LIGHTS));
+    for (uint i = 0u; i < count; ++i) {
+      vec3 light;
+      float attenuation = point_light_attenuation(i, f.mean, light);
+      radiance += frame.point_lights[i].intensity.rgb * (attenuation * lobe_reflected(lobe, light));
+    }
+  }
+  return max(min(radiance, vec3(kRadianceCeiling)), vec3(0.0));
+}
+
+#endif
