@@ -8,8 +8,8 @@
 
 layout(constant_id = 9) const uint SHADOW_TAPS = 4u;
 
-// GGX alpha^2 for a unit of variance of the normals.
-const float kSlopeVariance = 1.0;
+// GGX alpha^2 that a unit of variance of the normals adds: Toksvig's exponent is 1 / variance, and alpha^2 = 2 / (exponent + 2).
+const float kSlopeVariance = 2.0;
 
 // Where an aggregate is: mean and spread of its samples' positions, world space.
 struct Footprint {
@@ -60,8 +60,8 @@ Lobe prepare_lobe(Aggregate a, vec3 view) {
   lobe.tangent = lobe.bitangent = lobe.matrix = lobe.inverse = vec3(0.0);
   lobe.root = 0.0;
   if (agaa_option(AGAA_SGGX)) {
-    // The SGGX matrix of a rough surface averaged over the normals (Heitz et al. 2015), in the frame of the mean direction
-    // and scaled to 1 along it.
+    // The SGGX matrix of a rough surface (Heitz et al. 2015) averaged over the normals, in the frame of the mean direction and
+    // scaled to 1 along it.
     float side = direction.z < 0.0 ? -1.0 : 1.0;
     float p = -1.0 / (side + direction.z), q = direction.x * direction.y * p;
     lobe.tangent = vec3(1.0 + side * direction.x * direction.x * p, side * q, -side * direction.x);
