@@ -175,8 +175,10 @@ struct State {
 
 State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   State state;
+  // Full-screen passes read for whole blocks of 4x4 pixels, beyond the image's borders too.
+  constexpr std::uint64_t kBorderRows = 5;
   state.sums = &recorder.buffer(
-      "aggregates", std::uint64_t{setup.width} * setup.height * aggregates(setup) * aggregate_words(setup) * 4);
+      "aggregates", (setup.height + kBorderRows) * setup.width * aggregates(setup) * aggregate_words(setup) * 4);
   state.description = &recorder.buffer("aggregate state", 16);
   float largest = 0;
   for (const auto& material :

@@ -184,7 +184,7 @@ TEST(AgaaShading, IsCloseToShadingEverySurfaceOfAnisotropicSets) {
                           compare("anisotropic sggx metal", metal, AGAA_FLOAT | AGAA_SGGX)};
   expect_filtered(d[0], 0.03, 0.18, 0.03);
   expect_filtered(d[1], 0.02, 0.15, 0.03);
-  expect_filtered(m[0], 0.06, 0.8, 0.06);
+  expect_filtered(m[0], 0.06, 0.8, 0.12);
   expect_filtered(m[1], 0.04, 0.5, 0.06);
   // What second moments are kept for.
   for (const auto& c : {d, m}) {
@@ -208,7 +208,7 @@ TEST(AgaaShading, OneNormalIsLitAsASurface) {
     for (const bool blinn_phong : {false, true}) {
       const Sets sets = random_sets(2000, 4, 0, false, 0.5, 0.1, 6);
       const auto results = run_on_device(sets, AGAA_FLOAT | ndf, blinn_phong);
-      for (const auto& r : results) ASSERT_NEAR(r.filtered.g, r.brute.g, 2e-3f * (1 + r.brute.g));
+      for (const auto& r : results) ASSERT_NEAR(r.filtered.g, r.brute.g, 4e-3f * (1 + r.brute.g));
     }
 }
 

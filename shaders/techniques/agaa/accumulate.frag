@@ -24,8 +24,11 @@ void main() {
     uvec4 bits = mix(uvec4(0u), uvec4(1u, 2u, 4u, 8u), same);
     mask |= (bits.x | bits.y | bits.z | bits.w) << 4u * quad;
   }
+  // lavapipe runs whole blocks of 4x4 pixels, beyond the image's borders too; what they write to attachments is dropped, but
+  // this writes to a buffer.
+  bool inside = all(lessThan(vec2(pixel), frame.viewport.xy));
   // A loop, so that groups of fragments that show nothing skip it.
-  for (bool seen = mask != 0u; seen; seen = false) {
+  for (bool seen = mask != 0u && inside; seen; seen = false) {
     uint first = uint(findLSB(mask));
     uint aggregate = 0u;
     if (AGGREGATES > 1u) {
