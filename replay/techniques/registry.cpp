@@ -5,11 +5,11 @@
 
 namespace subpixel::replay {
 
-extern const Technique kNoaa, kFxaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming, kAgaa, kLinkedList;
+extern const Technique kNoaa, kFxaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming, kAgaa, kDcaa, kLinkedList;
 
 std::span<const Technique* const> techniques() {
   static constexpr const Technique* kAll[] = {
-      &kNoaa, &kFxaa, &kForward, &kMsaa, &kSimpleComplex, &kSbaa, &kStreaming, &kAgaa, &kLinkedList,
+      &kNoaa, &kFxaa, &kForward, &kMsaa, &kSimpleComplex, &kSbaa, &kStreaming, &kAgaa, &kDcaa, &kLinkedList,
   };
   return kAll;
 }

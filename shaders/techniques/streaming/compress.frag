@@ -10,7 +10,7 @@
 #include "frontend/fragment.glsl"
 #include "techniques/streaming/compress.glsl"
 #include "techniques/streaming/state.glsl"
-#include "techniques/streaming/state_access.glsl"
+#include "include/ordered_state.glsl"
 #include "techniques/streaming/plane.glsl"
 
 // shading_offset() of the geometry that `mask` came from.

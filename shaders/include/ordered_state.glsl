@@ -1,7 +1,8 @@
-// Where a fragment finds its pixel's state: quad() and set_quad() for the quads of state.glsl, in attachments or in a buffer.
+// Where a fragment finds its pixel's state: quad() and set_quad() for its STATE_QUADS quads of words, in attachments or in a
+// buffer. Define ATTACHMENTS (0: buffer) and STATE_QUADS before it.
 // Reads and writes: the attachments, or the buffer whose address storage slot 0 holds.
-#ifndef SUBPIXEL_STREAMING_STATE_ACCESS_GLSL
-#define SUBPIXEL_STREAMING_STATE_ACCESS_GLSL
+#ifndef SUBPIXEL_ORDERED_STATE_GLSL
+#define SUBPIXEL_ORDERED_STATE_GLSL
 
 #if ATTACHMENTS > 0
 #define STATE(i, bind)                                                                            \

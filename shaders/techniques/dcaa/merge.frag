@@ -1,0 +1,78 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// variants: 3=-DATTACHMENTS=3 4=-DATTACHMENTS=4 5=-DATTACHMENTS=5 6=-DATTACHMENTS=6 7=-DATTACHMENTS=7 8=-DATTACHMENTS=8 BUFFER=-DATTACHMENTS=0
+// The merge pass: every fragment that the prepass does not rule out goes into its pixel's surfaces.
+// Reads: the prepass's bound (sampled slot 0), the camera (storage slot 2), materials. Reads and writes: the pixel's state
+// (state.glsl), in primitive order.
+#define WITH_UV
+#define WITH_ATTRIBUTES
+#include "techniques/dcaa/fragment_mask.glsl"
+#include "techniques/dcaa/merge.glsl"
+#include "techniques/dcaa/state.glsl"
+#include "include/ordered_state.glsl"
+
+layout(set = 0, binding = 3, scalar) readonly buffer ViewBlock { DcaaView view; };
+layout(set = 0, binding = 12) uniform usampler2D depth_bound;
+
+// The fragment's plane: its facet normal, rounded, and the depth at the pixel's centre with which it still goes through
+// the triangle at `offset`.
+void facet_plane(DepthPlane plane, ivec2 pixel, vec2 offset, vec3 ray, inout DcaaSurface s) {
+  float z = clamp(plane.centre + plane.dx * offset.x + plane.dy * offset.y, plane.smallest, plane.largest);
+  float per_slope = z * view.terms.x + view.terms.y;
+  vec2 g = clamp(vec2(plane.dx, plane.dy) / max(per_slope, 1e-30), -1e6, 1e6);
+  // Slopes relative to the depth where the triangle is seen; the ray there is that of the centre, moved.
+  vec2 at = (vec2(pixel) + offset) * view.terms.x;
+  vec3 n = g.x * view.normal_x.xyz + g.y * view.normal_y.xyz + (1.0 - dot(g, at)) * view.normal_1.xyz;
+  s.facet = dcaa_pack_facet(n);
+  vec2 stored = dcaa_slope_factors(dcaa_facet(s.facet), ray, view);
+  float away = dot(stored, offset);
+  s.depth = dcaa_rounded_depth((z - view.terms.y * away) / (1.0 + view.terms.x * away));
+}
+
+void main() {
+  ivec2 pixel = pixel_of(gl_FragCoord.xy);
+  DepthPlane plane = fragment_depth(pixel);
+  float bound = dcaa_option(DCAA_PREPASS) ? uintBitsToFloat(texelFetch(depth_bound, pixel, 0).x) : 0.0;
+  bool stored = false;
+  for (bool may_show = pixel_depths(plane).y * (1.0 + 1.0 / 1048576.0) >= bound; may_show; may_show = false) {
+    PixelEdges edges = fragment_edges(pixel);
+    uvec2 geometry = fragment_coverage(edges), mask = geometry;
+    for (bool covered = geometry != uvec2(0u); covered; covered = false) {
+      vec2 offset = mask_shading_offset(edges, geometry);
+      if (has_feature(FEATURE_ALPHA_TEST)) {
+        bool tested = (materials[push.material].flags.x & MATERIAL_ALPHA_TEST) != 0u;
+        for (bool go = tested; go; go = false) mask = alpha_coverage(geometry, pixel, offset);
+      }
+      for (bool go = mask != uvec2(0u); go; go = false) {
+        find_state(pixel);
+        DcaaState state;
+        for (uint i = 0u; i < STATE_QUADS; ++i) {
+          uvec4 words = quad(i);
+          for (uint c = 0u; c < 4u; ++c) state.word[4u * i + c] = words[c];
+        }
+        DcaaSurface surface[DCAA_MAX_SURFACES];
+        for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_unpack(state, i);
+
+        DcaaView camera = view;
+        vec3 ray = dcaa_ray(pixel, camera);
+        uvec4 packed = pack_surface(fragment_surface(pixel, offset));
+        DcaaSurface fragment;
+        fragment.coverage = mask;
+        facet_plane(plane, pixel, offset, ray, fragment);
+        fragment.albedo = packed.x;
+        fragment.normal = packed.y;
+        fragment.roughness = packed.z & 255u;
+        fragment.emission = packed.w;
+        dcaa_add(state.word[0], surface, fragment, ray, camera);
+
+        for (uint i = 0u; i < SURFACES; ++i) dcaa_pack(surface[i], i, state);
+        for (uint i = 0u; i < STATE_QUADS; ++i)
+          set_quad(i, uvec4(state.word[4u * i], state.word[4u * i + 1u], state.word[4u * i + 2u], state.word[4u * i + 3u]));
+        stored = true;
+      }
+    }
+  }
+  if (!stored) discard;
+}

@@ -1,0 +1,173 @@
+// Decoupled coverage anti-aliasing of one pixel: what one more fragment does to its surfaces.
+// Wang, Wyman, He and Sen 2015, algorithm 1, sections 3.2 and 3.3.
+// Reads and writes: its arguments alone, so that a test can feed it a stream of its own.
+//
+// Where the paper leaves a choice: the best candidate of the first attempt has the largest sum of how far its normal is
+// within the limit and how much of the shorter depth interval the two share, both from 0 to 1; that of the second attempt the
+// largest share alone; of equal candidates the earlier slot. Of equal depths the earlier slot is in front, the fragment
+// last; of equal coverages the farthest has to go.
+#ifndef SUBPIXEL_DCAA_MERGE_GLSL
+#define SUBPIXEL_DCAA_MERGE_GLSL
+
+#include "techniques/dcaa/surface.glsl"
+
+float dcaa_byte(uint word, uint shift) { return float(int((word >> shift) & 255u)); }
+uint dcaa_blend_byte(uint a, uint b, uint shift, float weight_a, float weight_b) {
+  precise float mean = dcaa_byte(a, shift) * weight_a + dcaa_byte(b, shift) * weight_b;
+  return (dcaa_round(mean) & 255u) << shift;
+}
+
+// Albedo is stored as square roots; its mean is one of linear values.
+uint dcaa_blend_albedo(uint a, uint b, float weight_a, float weight_b) {
+  uint result = has_feature(FEATURE_METAL) ? dcaa_blend_byte(a, b, 24u, weight_a, weight_b) : 0u;
+  for (uint shift = 0u; shift < 24u; shift += 8u) {
+    float root_a = dcaa_byte(a, shift), root_b = dcaa_byte(b, shift);
+    precise float mean = root_a * root_a * weight_a + root_b * root_b * weight_b;
+    result |= (dcaa_round(sqrt(mean)) & 255u) << shift;
+  }
+  return result;
+}
+
+vec3 dcaa_blend(vec3 a, vec3 b, float weight_a, float weight_b) {
+  precise vec3 mean = a * weight_a + b * weight_b;
+  return mean;
+}
+
+// Averages weighted by coverage; coverage by OR (section 3.2).
+DcaaSurface dcaa_merged(DcaaSurface a, DcaaSurface b) {
+  float count_a = float(int(dcaa_count(a.coverage))), count_b = float(int(dcaa_count(b.coverage)));
+  float weight_a = count_a / (count_a + count_b), weight_b = count_b / (count_a + count_b);
+  DcaaSurface merged;
+  merged.coverage = a.coverage | b.coverage;
+  merged.facet = dcaa_pack_facet(dcaa_blend(dcaa_facet(a.facet), dcaa_facet(b.facet), weight_a, weight_b));
+  precise float depth = a.depth * weight_a + b.depth * weight_b;
+  merged.depth = dcaa_rounded_depth(depth);
+  merged.albedo = dcaa_blend_albedo(a.albedo, b.albedo, weight_a, weight_b);
+  merged.normal = dcaa_pack_octahedral(dcaa_blend(dcaa_unpack_octahedral(a.normal, 32767.0, 16u),
+                                                  dcaa_unpack_octahedral(b.normal, 32767.0, 16u), weight_a, weight_b),
+                                       32767.0, 16u);
+  merged.roughness = has_feature(FEATURE_VARYING_ROUGHNESS) ? dcaa_blend_byte(a.roughness, b.roughness, 0u, weight_a, weight_b) : a.roughness;
+  merged.emission = 0u;
+  if (has_feature(FEATURE_EMISSIVE))
+    merged.emission = pack_shared_exponent(
+        dcaa_blend(unpack_shared_exponent(a.emission), unpack_shared_exponent(b.emission), weight_a, weight_b));
+  return merged;
+}
+
+DcaaSurface dcaa_select(bool condition, DcaaSurface yes, DcaaSurface no) {
+  DcaaSurface s;
+  s.coverage = condition ? yes.coverage : no.coverage;
+  s.facet = condition ? yes.facet : no.facet;
+  s.depth = condition ? yes.depth : no.depth;
+  s.albedo = condition ? yes.albedo : no.albedo;
+  s.normal = condition ? yes.normal : no.normal;
+  s.roughness = condition ? yes.roughness : no.roughness;
+  s.emission = condition ? yes.emission : no.emission;
+  return s;
+}
+
+uint dcaa_count_more(uint word, uint shift, uint bits) {
+  uint most = (1u << bits) - 1u;
+  uint value = min(((word >> shift) & most) + 1u, most);
+  return (word & ~(most << shift)) | value << shift;
+}
+
+// How much of the shorter interval the two share, 0 to 1; below 0 when they don't overlap.
+float dcaa_shared_depth(vec2 a, vec2 b) {
+  precise float shared_part = min(a.y, b.y) - max(a.x, b.x);
+  precise float shorter = min(a.y - a.x, b.y - b.x);
+  return shared_part < 0.0 ? -1.0 : min(shared_part / max(shorter, 1e-30), 1.0);
+}
+
+// Section 3.3, with the list full. Entry SURFACES is the fragment.
+void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], inout DcaaSurface fragment, vec3 ray, DcaaView view) {
+  uvec2 coverage[DCAA_MAX_SURFACES + 1];
+  float depth[DCAA_MAX_SURFACES + 1];
+  for (uint i = 0u; i < SURFACES; ++i) {
+    coverage[i] = surface[i].coverage;
+    depth[i] = surface[i].depth;
+  }
+  coverage[SURFACES] = fragment.coverage;
+  depth[SURFACES] = fragment.depth;
+
+  // The coarse resolve: what each covers that none in front of its centre does.
+  uint least = 0xffffffffu, leaving = 0u, leaving_rank = 0u;
+  for (uint i = 0u; i <= SURFACES; ++i) {
+    uvec2 hidden = uvec2(0u);
+    uint rank = 0u;
+    for (uint j = 0u; j <= SURFACES; ++j) {
+      bool in_front = depth[j] > depth[i] || (depth[j] == depth[i] && j < i);
+      hidden |= in_front ? coverage[j] : uvec2(0u);
+      rank += in_front ? 1u : 0u;
+    }
+    uint shown = dcaa_count(coverage[i] & ~hidden);
+    bool may_go = rank > 0u || !dcaa_option(DCAA_KEEP_FRONT);
+    bool better = may_go && (shown < least || (shown == least && rank > leaving_rank));
+    least = better ? shown : least;
+    leaving = better ? i : leaving;
+    leaving_rank = better ? rank : leaving_rank;
+  }
+  DcaaSurface gone = fragment;
+  for (uint i = 0u; i < SURFACES; ++i) gone = dcaa_select(leaving == i, surface[i], gone);
+
+  uint partner = SURFACES + 1u;
+  if (dcaa_option(DCAA_SECOND_MERGE)) {
+    vec2 interval = dcaa_interval(dcaa_facet(gone.facet), gone.depth, ray, view);
+    float best = -1.0;
+    DcaaSurface with = fragment;
+    for (uint i = 0u; i <= SURFACES; ++i) {
+      DcaaSurface other = fragment;
+      if (i < SURFACES) other = surface[i];
+      float share = dcaa_shared_depth(dcaa_interval(dcaa_facet(other.facet), other.depth, ray, view), interval);
+      bool better = i != leaving && share > best;
+      best = better ? share : best;
+      partner = better ? i : partner;
+      with = dcaa_select(better, other, with);
+    }
+    with = dcaa_merged(with, gone);
+    for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(partner == i, with, surface[i]);
+    fragment = dcaa_select(partner == SURFACES, with, fragment);
+  }
+  word = partner <= SURFACES ? dcaa_count_more(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS)
+                             : dcaa_count_more(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS);
+  for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(leaving == i, fragment, surface[i]);
+}
+
+// Adds a fragment, which covers at least one sample, to the pixel.
+void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment, vec3 ray, DcaaView view) {
+  uint count = word & ((1u << DCAA_COUNT_BITS) - 1u);
+  uint target = count;
+  bool merges = false;
+  // Loops, here and below, are skipped when no lane needs them.
+  for (bool any_surface = count > 0u; any_surface; any_surface = false) {
+    vec3 normal = dcaa_facet(fragment.facet);
+    vec2 interval = dcaa_interval(normal, fragment.depth, ray, view);
+    precise float per_cosine = 1.0 / max(1.0 - COS_NORMAL_ANGLE, 1e-6);
+    float best = -1.0;
+    for (uint i = 0u; i < SURFACES; ++i) {
+      for (bool go = i < count; go; go = false) {
+        vec3 other = dcaa_facet(surface[i].facet);
+        precise float cosine = normal.x * other.x + normal.y * other.y + normal.z * other.z;
+        float share = dcaa_shared_depth(dcaa_interval(other, surface[i].depth, ray, view), interval);
+        precise float score = (cosine - COS_NORMAL_ANGLE) * per_cosine + share;
+        bool better = cosine > COS_NORMAL_ANGLE && share >= 0.0 && score > best;
+        best = better ? score : best;
+        target = better ? i : target;
+        merges = merges || better;
+      }
+    }
+    for (bool go = merges; go; go = false) {
+      DcaaSurface old = surface[0];
+      for (uint i = 1u; i < SURFACES; ++i) old = dcaa_select(target == i, surface[i], old);
+      fragment = dcaa_merged(old, fragment);
+      word = dcaa_count_more(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS);
+    }
+  }
+  for (bool go = !merges && count == SURFACES; go; go = false) dcaa_make_room(word, surface, fragment, ray, view);
+
+  for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(target == i, fragment, surface[i]);
+  bool added = !merges && count < SURFACES;
+  word += added ? 1u : 0u;
+}
+
+#endif
