@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "replay/techniques/dcaa_prepass.hpp"
 #include "replay/techniques/dcaa_table.hpp"
 #include "replay/techniques/dcaa_view.hpp"
 #include "replay/techniques/deferred.hpp"
@@ -73,7 +74,7 @@ MemoryLayout layout(const FrameSetup& setup) {
                    {"depth", depth * s},
                    {"attributes", fitted_surface_bits(setup.scene.features()) * s},
                    {"count word", 32}};
-  if (setup.parameters.at("prepass").get<bool>()) memory.fitted.push_back({"prepass depth", 32});
+  if (setup.parameters.at("prepass").get<bool>()) memory.fitted.push_back({"prepass planes", 256});
   return memory;
 }
 
@@ -98,6 +99,33 @@ struct Resources {
   }
 };
 
+gpu::Buffer& table_buffer(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  const std::vector<std::uint64_t> table = coverage_table(table_size(setup), setup.samples);
+  gpu::Buffer& buffer = recorder.buffer("dcaa coverage table", table.size() * sizeof(std::uint64_t));
+  std::ranges::copy(table, buffer.as<std::uint64_t>().begin());
+  return buffer;
+}
+
+gpu::Image& record_bound(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Buffer& table) {
+  gpu::Image& bound = recorder.image(
+      {"dcaa depth bound", kWords, setup.width, setup.height, 1, 2, VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+  Frontend::GeometryPass geometry;
+  gpu::RasterPass& pass = geometry.pass;
+  pass.name = "z-prepass";
+  geometry.fragment_opaque = "techniques/dcaa/prepass.frag:OPAQUE";
+  geometry.fragment_alpha = "techniques/dcaa/prepass.frag:ALPHA";
+  pass.pipeline.constants = common_constants(setup);
+  append(pass.pipeline.constants, dcaa_constants(setup));
+  pass.pipeline.targets.ordered_read = true;
+  pass.pipeline.targets.clear = true;
+  pass.pipeline.targets.colours = {kWords, kWords};
+  pass.colours = {{bound, 0}, {bound, 1}};
+  pass.clear_colours = {{}, {}};
+  pass.bindings = {gpu::reads(1, table)};
+  setup.frontend.record_geometry(recorder, std::move(geometry));
+  return bound;
+}
+
 Resources make_resources(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   const std::uint32_t quads = state_quads(setup);
   Resources r;
@@ -109,31 +137,10 @@ Resources make_resources(gpu::PassRecorder& recorder, const FrameSetup& setup) {
     r.address = &recorder.buffer("dcaa state address", sizeof(VkDeviceAddress));
     r.address->as<VkDeviceAddress>()[0] = r.words->address();
   }
-  r.bound = &recorder.image(
-      {"dcaa depth bound", kWords, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
-  const std::vector<std::uint64_t> table = coverage_table(table_size(setup), setup.samples);
-  r.table = &recorder.buffer("dcaa coverage table", table.size() * sizeof(std::uint64_t));
-  std::ranges::copy(table, r.table->as<std::uint64_t>().begin());
+  r.table = &table_buffer(recorder, setup);
   r.view = &recorder.buffer("dcaa view", sizeof(gpu_types::DcaaView));
   r.view->as<gpu_types::DcaaView>()[0] = dcaa_view(setup.scene.constants().view_projection, setup.width, setup.height);
   return r;
-}
-
-void record_prepass(gpu::PassRecorder& recorder, const FrameSetup& setup, const Resources& r) {
-  Frontend::GeometryPass geometry;
-  gpu::RasterPass& pass = geometry.pass;
-  pass.name = "z-prepass";
-  geometry.fragment_opaque = "techniques/dcaa/prepass.frag:OPAQUE";
-  geometry.fragment_alpha = "techniques/dcaa/prepass.frag:ALPHA";
-  pass.pipeline.constants = common_constants(setup);
-  append(pass.pipeline.constants, dcaa_constants(setup));
-  pass.pipeline.targets.ordered_read = true;
-  pass.pipeline.targets.clear = true;
-  pass.pipeline.targets.colours = {kWords};
-  pass.colours = {{*r.bound}};
-  pass.clear_colours = {{}};
-  pass.bindings = {gpu::reads(1, *r.table)};
-  setup.frontend.record_geometry(recorder, std::move(geometry));
 }
 
 void record_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const Resources& r) {
@@ -143,7 +150,8 @@ void record_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const Re
   pass.name = "merge";
   pass.pipeline.constants = common_constants(setup);
   append(pass.pipeline.constants, dcaa_constants(setup));
-  pass.bindings = {gpu::samples(0, *r.bound), gpu::reads(1, *r.table), gpu::reads(2, *r.view)};
+  pass.bindings = {gpu::reads(1, *r.table), gpu::reads(2, *r.view)};
+  if (r.bound) pass.bindings.push_back(gpu::samples(0, *r.bound));
   if (r.state) {
     const std::uint32_t attachments = r.state->description().layers;
     geometry.fragment_opaque = fmt::format("techniques/dcaa/merge.frag:{}", attachments);
@@ -232,8 +240,8 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Res
 
 void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   setup.frontend.record_setup(recorder);
-  const Resources resources = make_resources(recorder, setup);
-  if (setup.parameters.at("prepass").get<bool>()) record_prepass(recorder, setup, resources);
+  Resources resources = make_resources(recorder, setup);
+  if (setup.parameters.at("prepass").get<bool>()) resources.bound = &record_bound(recorder, setup, *resources.table);
   record_merge(recorder, setup, resources);
   record_shading(recorder, setup, resources);
   record_maps(recorder, setup, resources);
@@ -283,6 +291,10 @@ Parameter choice(std::string_view name, std::string_view doc, std::vector<std::s
 }
 
 }  // namespace
+
+gpu::Image& record_depth_bound(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  return record_bound(recorder, setup, table_buffer(recorder, setup));
+}
 
 extern const Technique kDcaa;
 

@@ -21,10 +21,4 @@ uvec2 alpha_coverage(uvec2 geometry, ivec2 pixel, vec2 offset) {
 }
 #endif
 
-// Reversed depth of the plane at the pixel's corners, farthest and nearest, within the triangle's own range.
-vec2 pixel_depths(DepthPlane plane) {
-  float reach = 0.5 * (abs(plane.dx) + abs(plane.dy));
-  return vec2(max(plane.centre - reach, plane.smallest), min(plane.centre + reach, plane.largest));
-}
-
 #endif

@@ -9,12 +9,13 @@
 #define WITH_UV
 #define WITH_ATTRIBUTES
 #include "techniques/dcaa/fragment_mask.glsl"
+#include "techniques/dcaa/depth_bound.glsl"
 #include "techniques/dcaa/merge.glsl"
 #include "techniques/dcaa/state.glsl"
 #include "include/ordered_state.glsl"
 
 layout(set = 0, binding = 3, scalar) readonly buffer ViewBlock { DcaaView view; };
-layout(set = 0, binding = 12) uniform usampler2D depth_bound;
+layout(set = 0, binding = 12) uniform usampler2DArray depth_bound;
 
 // The fragment's plane: its facet normal, rounded, and the depth at the pixel's centre with which it still goes through
 // the triangle at `offset`.
@@ -34,9 +35,9 @@ void facet_plane(DepthPlane plane, ivec2 pixel, vec2 offset, vec3 ray, inout Dca
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
   DepthPlane plane = fragment_depth(pixel);
-  float bound = dcaa_option(DCAA_PREPASS) ? uintBitsToFloat(texelFetch(depth_bound, pixel, 0).x) : 0.0;
+  vec3 bound = dcaa_option(DCAA_PREPASS) ? uintBitsToFloat(texelFetch(depth_bound, ivec3(pixel, 0), 0).xyz) : vec3(0.0);
   bool stored = false;
-  for (bool may_show = pixel_depths(plane).y * (1.0 + 1.0 / 1048576.0) >= bound; may_show; may_show = false) {
+  for (bool seen = may_show(plane, bound); seen; seen = false) {
     PixelEdges edges = fragment_edges(pixel);
     uvec2 geometry = fragment_coverage(edges), mask = geometry;
     for (bool covered = geometry != uvec2(0u); covered; covered = false) {

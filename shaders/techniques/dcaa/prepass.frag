@@ -3,25 +3,26 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // variants: OPAQUE= ALPHA=-DWITH_UV
-// The z-prepass (Wang et al. 2015, section 4.2): a depth for each pixel that no visible sample lies behind. Conservative by
-// construction: fragments are gathered until together they cover every sample; what they cover then is no farther than the
-// farthest of them (after masked occlusion culling: Hasselgren, Andersson and Akenine-Moller 2016).
-// Reads and writes: the attachment, in primitive order. x: the bound, reversed depth, 0 at first. y: farthest depth of the
-// fragments being gathered, zw: their samples.
+// The z-prepass (Wang et al. 2015, section 4.2): a plane of depth for each pixel that no visible sample lies behind.
+// Conservative by construction: fragments are gathered until together they cover every sample; what they cover then is no
+// farther than a plane below them all (after masked occlusion culling: Hasselgren, Andersson and Akenine-Moller 2016).
+// Reads and writes: the attachments, in primitive order. First: the bound's z, dz/dx, dz/dy (reversed depth, 0 at first), z of
+// the plane below the fragments being gathered. Second: its slopes, then their samples.
 #include "techniques/dcaa/fragment_mask.glsl"
+#include "techniques/dcaa/depth_bound.glsl"
 
 layout(input_attachment_index = 0, set = 0, binding = 24) uniform usubpassInput in_bound;
+layout(input_attachment_index = 1, set = 0, binding = 25) uniform usubpassInput in_gathered;
 layout(location = 0) out uvec4 out_bound;
+layout(location = 1) out uvec4 out_gathered;
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
-  DepthPlane plane = fragment_depth(pixel);
-  // Rounding of the plane's sums moves depths by less than this.
-  float farthest = pixel_depths(plane).x * (1.0 - 1.0 / 1048576.0);
+  vec3 own = farthest_plane(fragment_depth(pixel));
   uvec4 state = subpassLoad(in_bound);
-  bool helps = farthest > uintBitsToFloat(state.x);
+  vec3 bound = uintBitsToFloat(state.xyz);
   bool changes = false;
-  for (bool go = helps; go; go = false) {
+  for (bool helps = own.x > bound.x; helps; helps = false) {
     PixelEdges edges = fragment_edges(pixel);
     uvec2 mask = fragment_coverage(edges);
 #ifdef WITH_UV
@@ -29,20 +30,24 @@ void main() {
       mask = alpha_coverage(mask, pixel, mask_shading_offset(edges, mask));
 #endif
     changes = mask != uvec2(0u);
-    float bound = uintBitsToFloat(state.x), gathered = uintBitsToFloat(state.y);
-    bool none = state.zw == uvec2(0u);
-    // A fragment far in front of what is gathered starts anew: it would lose its depth by joining.
-    bool joins = state.zw != uvec2(0u) && farthest - gathered <= gathered - bound;
-    uvec2 samples = joins ? state.zw | mask : mask;
-    float depth = joins ? min(gathered, farthest) : farthest;
-    // A whole pixel stands for itself; what was gathered stays if it is nearer.
-    bool whole = mask == kWholePixel, complete = samples == kWholePixel;
-    bound = whole ? farthest : complete ? depth : bound;
-    bool keeps = whole && gathered > farthest;
-    state.x = floatBitsToUint(bound);
-    state.y = floatBitsToUint(whole ? gathered : depth);
-    state.zw = keeps ? state.zw : whole || complete ? uvec2(0u) : samples;
-    out_bound = state;
+    for (bool go = changes; go; go = false) {
+      uvec4 more = subpassLoad(in_gathered);
+      vec3 gathered = uintBitsToFloat(uvec3(state.w, more.xy));
+      // A fragment far in front of what is gathered starts anew: it would lose its depth by joining.
+      bool joins = more.zw != uvec2(0u) && own.x - gathered.x <= gathered.x - bound.x;
+      uvec2 samples = joins ? more.zw | mask : mask;
+      vec3 below = joins ? vec3(min(gathered.x, own.x - plane_reach(own.yz - gathered.yz)), gathered.yz) : own;
+      // A whole pixel stands for itself; what was gathered stays if it is nearer.
+      bool whole = mask == kWholePixel, complete = samples == kWholePixel;
+      below = whole ? own : below;
+      bool better = (whole || complete) && below.x > bound.x;
+      bound = better ? below : bound;
+      bool keeps = whole && gathered.x > own.x;
+      samples = keeps ? more.zw : whole || complete ? uvec2(0u) : samples;
+      below = keeps ? gathered : below;
+      out_bound = floatBitsToUint(vec4(bound, below.x));
+      out_gathered = uvec4(floatBitsToUint(below.yz), samples);
+    }
   }
   if (!changes) discard;
 }

@@ -1,0 +1,262 @@
+// One pixel of Wang, Wyman, He and Sen's decoupled coverage anti-aliasing (High-Performance Graphics 2015), algorithm 1
+// and sections 3.2, 3.3 and 4.3, transcribed from the paper into plain sequential code: a vector of surfaces, an
+// explicit front-to-back order, no lanes. It shares nothing with the shaders but the meaning of the packed words.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include "shaders/techniques/dcaa/dcaa_types.h"
+
+namespace subpixel::dcaa_test {
+
+struct Vector {
+  float x = 0, y = 0, z = 0;
+};
+inline float dot(Vector a, Vector b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline Vector unit(Vector v) {
+  const float length = std::sqrt(std::max(dot(v, v), 1e-30f));
+  return {v.x / length, v.y / length, v.z / length};
+}
+
+struct Options {
+  std::uint32_t surfaces = 4, samples = 64;
+  float cos_normal_angle = 0.98078528f;
+  bool second_merge = true, keep_front = true;
+  std::uint32_t normal_format = DCAA_NORMAL_2X16, depth_bits = 24;
+};
+
+inline std::uint32_t to_snorm(float v, int bits) {
+  const float largest = static_cast<float>((1 << (bits - 1)) - 1);
+  const auto value = static_cast<std::int32_t>(std::nearbyint(std::clamp(v, -1.0f, 1.0f) * largest));
+  return static_cast<std::uint32_t>(value) & ((1u << bits) - 1);
+}
+inline float from_snorm(std::uint32_t word, int bits) {
+  const std::int32_t value = static_cast<std::int32_t>(word << (32 - bits)) >> (32 - bits);
+  return std::max(static_cast<float>(value) / static_cast<float>((1 << (bits - 1)) - 1), -1.0f);
+}
+
+// Octahedral normals (Cigolle et al. 2014) of two components with `bits` bits each.
+inline std::uint32_t to_octahedral(Vector n, int bits) {
+  const float sum = std::max(std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z), 1e-30f);
+  float x = n.x / sum, y = n.y / sum;
+  if (n.z < 0) {
+    const float folded_x = std::copysign(1.0f - std::fabs(y), x >= 0 ? 1.0f : -1.0f);
+    const float folded_y = std::copysign(1.0f - std::fabs(x), y >= 0 ? 1.0f : -1.0f);
+    x = folded_x;
+    y = folded_y;
+  }
+  return to_snorm(x, bits) | to_snorm(y, bits) << bits;
+}
+inline Vector from_octahedral(std::uint32_t word, int bits) {
+  float x = from_snorm(word, bits), y = from_snorm(word >> bits, bits);
+  const float z = 1.0f - std::fabs(x) - std::fabs(y);
+  if (z < 0) {
+    x += x >= 0 ? z : -z;
+    y += y >= 0 ? z : -z;
+  }
+  return unit({x, y, z});
+}
+
+using Facet = std::array<std::uint32_t, 3>;
+inline Facet to_facet(Vector n, std::uint32_t format) {
+  const Vector u = unit(n);
+  switch (format) {
+    case DCAA_NORMAL_3X32:
+      return {std::bit_cast<std::uint32_t>(u.x), std::bit_cast<std::uint32_t>(u.y), std::bit_cast<std::uint32_t>(u.z)};
+    case DCAA_NORMAL_3X8:
+      return {to_snorm(u.x, 8) | to_snorm(u.y, 8) << 8 | to_snorm(u.z, 8) << 16, 0, 0};
+    case DCAA_NORMAL_2X8:
+      return {to_octahedral(n, 8), 0, 0};
+    default:
+      return {to_octahedral(n, 16), 0, 0};
+  }
+}
+inline Vector from_facet(const Facet& words, std::uint32_t format) {
+  switch (format) {
+    case DCAA_NORMAL_3X32:
+      return {std::bit_cast<float>(words[0]), std::bit_cast<float>(words[1]), std::bit_cast<float>(words[2])};
+    case DCAA_NORMAL_3X8:
+      return unit({from_snorm(words[0], 8), from_snorm(words[0] >> 8, 8), from_snorm(words[0] >> 16, 8)});
+    case DCAA_NORMAL_2X8:
+      return from_octahedral(words[0], 8);
+    default:
+      return from_octahedral(words[0], 16);
+  }
+}
+
+// A depth as it is after having been stored: below 32 bits a float of 5 exponent bits that starts at 2^-31.
+inline float stored_depth(float z, std::uint32_t bits) {
+  z = std::clamp(z, 0.0f, 1.9999f);
+  if (bits == 32) return z;
+  if (z < 0x1p-31f) return 0x1p-31f;
+  const int mantissa_bits = static_cast<int>(bits) - 5, exponent = std::ilogb(z);
+  // Halves go up, as they do when a half is added and bits are cut off.
+  const double scaled = std::floor(std::ldexp(static_cast<double>(z), mantissa_bits - exponent) + 0.5);
+  const double largest = std::ldexp(2.0 - std::ldexp(1.0, -mantissa_bits), 0);
+  return static_cast<float>(std::min(std::ldexp(scaled, exponent - mantissa_bits), largest));
+}
+
+struct Surface {
+  std::uint64_t coverage = 0;
+  Facet facet{};
+  float depth = 0;  // reversed
+  std::array<std::uint8_t, 4> albedo{};
+  std::uint32_t normal = 0;
+  std::uint8_t roughness = 0;
+  bool operator==(const Surface&) const = default;
+};
+
+struct Interval {
+  float farthest = 0, nearest = 0;
+};
+
+// A camera at a pixel: the view ray and how it differs from those of the next pixels.
+struct PixelView {
+  Vector ray, dx, dy;
+  float rays_differ = 1, scale = 0, most_along = -1e-4f, most_slope = 0.9f;
+};
+
+struct Counts {
+  std::uint32_t first_merges = 0, second_merges = 0, discards = 0;
+};
+
+class Pixel {
+ public:
+  Pixel(const Options& options, const PixelView& view) : options_(options), view_(view) {}
+
+  void add(Surface in) {
+    const std::optional<std::size_t> candidate = best_candidate(in);
+    if (candidate) {
+      list_[*candidate] = merged(list_[*candidate], in);
+      ++counts_.first_merges;
+    } else if (list_.size() < options_.surfaces) {
+      list_.push_back(in);
+    } else {
+      make_room(in);
+    }
+  }
+
+  const std::vector<Surface>& surfaces() const { return list_; }
+  const Counts& counts() const { return counts_; }
+
+ private:
+  Vector normal_of(const Surface& s) const { return from_facet(s.facet, options_.normal_format); }
+
+  // Section 3.2: the bounding box in depth over the pixel, one unit of the stored depth larger on either side.
+  Interval interval(const Surface& s) const {
+    const Vector n = normal_of(s);
+    const float along = std::min(dot(n, view_.ray), view_.most_along);
+    const float gx = std::clamp(dot(n, view_.dx) / along, -view_.most_slope, view_.most_slope);
+    const float gy = std::clamp(dot(n, view_.dy) / along, -view_.most_slope, view_.most_slope);
+    const float per_slope = s.depth * view_.rays_differ + view_.scale;
+    const float stored_unit = std::ldexp(1.0f, 5 - static_cast<int>(std::min(options_.depth_bits, 28u)));
+    const float reach = 0.5f * (std::fabs(per_slope * gx) + std::fabs(per_slope * gy)) + s.depth * stored_unit;
+    return {s.depth - reach, s.depth + reach};
+  }
+
+  // The part of the shorter box that both share; nothing when they don't overlap.
+  static std::optional<float> overlap(const Interval& a, const Interval& b) {
+    const float both = std::min(a.nearest, b.nearest) - std::max(a.farthest, b.farthest);
+    if (both < 0) return std::nullopt;
+    const float shorter = std::min(a.nearest - a.farthest, b.nearest - b.farthest);
+    return std::min(both / std::max(shorter, 1e-30f), 1.0f);
+  }
+
+  std::optional<std::size_t> best_candidate(const Surface& in) const {
+    std::optional<std::size_t> best;
+    float best_score = -1;
+    for (std::size_t i = 0; i < list_.size(); ++i) {
+      const float cosine = dot(normal_of(in), normal_of(list_[i]));
+      const auto shared = overlap(interval(list_[i]), interval(in));
+      if (!(cosine > options_.cos_normal_angle) || !shared) continue;
+      const float score =
+          (cosine - options_.cos_normal_angle) * (1.0f / std::max(1.0f - options_.cos_normal_angle, 1e-6f)) + *shared;
+      if (score > best_score) {
+        best = i;
+        best_score = score;
+      }
+    }
+    return best;
+  }
+
+  Surface merged(const Surface& a, const Surface& b) const {
+    const auto count_a = static_cast<float>(std::popcount(a.coverage));
+    const auto count_b = static_cast<float>(std::popcount(b.coverage));
+    const float wa = count_a / (count_a + count_b), wb = count_b / (count_a + count_b);
+    const auto blend = [&](Vector m, Vector n) {
+      return Vector{m.x * wa + n.x * wb, m.y * wa + n.y * wb, m.z * wa + n.z * wb};
+    };
+    const auto byte = [](float v) { return static_cast<std::uint8_t>(std::nearbyint(v)); };
+    Surface m;
+    m.coverage = a.coverage | b.coverage;
+    m.facet = to_facet(blend(normal_of(a), normal_of(b)), options_.normal_format);
+    m.depth = stored_depth(a.depth * wa + b.depth * wb, options_.depth_bits);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float p = a.albedo[i], q = b.albedo[i];
+      m.albedo[i] = byte(std::sqrt(p * p * wa + q * q * wb));
+    }
+    m.albedo[3] = byte(static_cast<float>(a.albedo[3]) * wa + static_cast<float>(b.albedo[3]) * wb);
+    m.normal = to_octahedral(blend(from_octahedral(a.normal, 16), from_octahedral(b.normal, 16)), 16);
+    m.roughness = byte(static_cast<float>(a.roughness) * wa + static_cast<float>(b.roughness) * wb);
+    return m;
+  }
+
+  // Section 3.3.
+  void make_room(Surface in) {
+    std::vector<Surface*> all;
+    for (auto& s : list_) all.push_back(&s);
+    all.push_back(&in);
+    std::vector<std::size_t> order(all.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t i, std::size_t j) { return all[i]->depth > all[j]->depth; });
+
+    // Front to back: what each shows of its samples. The last of the least goes, never the front-most.
+    std::size_t gone = order.back();
+    int least = 65;
+    std::uint64_t in_front = 0;
+    for (std::size_t place = 0; place < order.size(); ++place) {
+      const int shown = std::popcount(all[order[place]]->coverage & ~in_front);
+      in_front |= all[order[place]]->coverage;
+      if (place == 0 && options_.keep_front) continue;
+      if (shown <= least) {
+        least = shown;
+        gone = order[place];
+      }
+    }
+
+    std::optional<std::size_t> partner;
+    float most = -1;
+    for (std::size_t i = 0; options_.second_merge && i < all.size(); ++i) {
+      if (i == gone) continue;
+      const auto shared = overlap(interval(*all[i]), interval(*all[gone]));
+      if (shared && *shared > most) {
+        most = *shared;
+        partner = i;
+      }
+    }
+    if (partner) {
+      *all[*partner] = merged(*all[*partner], *all[gone]);
+      ++counts_.second_merges;
+    } else {
+      ++counts_.discards;
+    }
+    if (all[gone] != &in) *all[gone] = in;
+  }
+
+  Options options_;
+  PixelView view_;
+  std::vector<Surface> list_;
+  Counts counts_;
+};
+
+}  // namespace subpixel::dcaa_test
