@@ -50,11 +50,13 @@ gpu::Constants dcaa_constants(const FrameSetup& setup) {
   if (setup.parameters.at("keep_front").get<bool>()) options |= DCAA_KEEP_FRONT;
   if (setup.parameters.at("prepass").get<bool>()) options |= DCAA_PREPASS;
   if (setup.choice("coverage") == "lut") options |= DCAA_TABLE;
+  if (setup.choice("merge_weight") == "shown") options |= DCAA_WEIGHT_SHOWN;
+  const auto reach = static_cast<float>(setup.number("depth_reach"));
   const auto cosine = static_cast<float>(std::cos(setup.number("normal_angle")));
   return {
-      {10, whole(setup, "surfaces")},   {11, std::bit_cast<std::uint32_t>(cosine)}, {12, options},
-      {13, normal_format(setup)},       {14, whole(setup, "depth_bits")},           {15, table_size(setup).directions},
-      {16, table_size(setup).distances}};
+      {10, whole(setup, "surfaces")},    {11, std::bit_cast<std::uint32_t>(cosine)}, {12, options},
+      {13, normal_format(setup)},        {14, whole(setup, "depth_bits")},           {15, table_size(setup).directions},
+      {16, table_size(setup).distances}, {17, std::bit_cast<std::uint32_t>(reach)}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
@@ -271,6 +273,18 @@ Parameter normal_angle_parameter() {
   return p;
 }
 
+Parameter depth_reach_parameter() {
+  Parameter p;
+  p.name = "depth_reach";
+  p.kind = ParameterKind::number;
+  p.doc = "how far from the pixel's centre the depth intervals of surfaces reach";
+  p.unit = "pixels";
+  p.minimum = 0;
+  p.maximum = 8;
+  p.default_value = 0.5;
+  return p;
+}
+
 Parameter condition(std::string_view name, std::string_view doc) {
   Parameter p;
   p.name = name;
@@ -307,7 +321,9 @@ const Technique kDcaa{
      integer("table_directions", "directions of edges in the table", 8, 4096, 256,
              {8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096}),
      integer("table_distances", "distances of edges from the pixel's centre in the table", 8, 1024, 128),
-     normal_angle_parameter(),
+     normal_angle_parameter(), depth_reach_parameter(),
+     choice("merge_weight", "merges weight by the samples covered, or by those the one in front leaves",
+            {"coverage", "shown"}),
      condition("second_merge", "the surface that has to go merges with one that overlaps it in depth"),
      condition("keep_front", "the front-most surface never has to go"),
      condition("prepass", "a conservative depth prepass rules out fragments"),

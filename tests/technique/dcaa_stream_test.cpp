@@ -126,9 +126,11 @@ std::vector<std::uint32_t> run_on_device(const Options& o, const Streams& stream
                     {1, FEATURE_VARYING_ROUGHNESS | FEATURE_METAL},
                     {10, o.surfaces},
                     {11, std::bit_cast<std::uint32_t>(o.cos_normal_angle)},
-                    {12, (o.second_merge ? DCAA_SECOND_MERGE : 0u) | (o.keep_front ? DCAA_KEEP_FRONT : 0u)},
+                    {12, (o.second_merge ? DCAA_SECOND_MERGE : 0u) | (o.keep_front ? DCAA_KEEP_FRONT : 0u) |
+                             (o.weight_by_shown ? DCAA_WEIGHT_SHOWN : 0u)},
                     {13, o.normal_format},
-                    {14, o.depth_bits}};
+                    {14, o.depth_bits},
+                    {17, std::bit_cast<std::uint32_t>(o.depth_reach)}};
   pass.bindings = {gpu::uniform(frame), gpu::reads(0, ranges), gpu::reads(1, fragments), gpu::reads(2, view),
                    gpu::writes(3, words)};
   pass.groups = {static_cast<std::uint32_t>((streams.ranges.size() + 63) / 64), 1, 1};
@@ -209,6 +211,8 @@ TEST(DcaaStream, AgreesWithEachRuleSwitchedOffAndInOtherFormats) {
     Options o;
     o.second_merge = (variant & 1u) == 0;
     o.keep_front = (variant & 2u) == 0;
+    o.weight_by_shown = variant > 1;
+    o.depth_reach = 0.5f + static_cast<float>(variant % 2);
     o.normal_format = variant;
     o.depth_bits = std::array{32u, 16u, 20u, 24u}[variant];
     o.cos_normal_angle = std::cos(0.1f + 0.2f * static_cast<float>(variant));

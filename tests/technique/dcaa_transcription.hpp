@@ -30,7 +30,8 @@ inline Vector unit(Vector v) {
 struct Options {
   std::uint32_t surfaces = 4, samples = 64;
   float cos_normal_angle = 0.98078528f;
-  bool second_merge = true, keep_front = true;
+  bool second_merge = true, keep_front = true, weight_by_shown = false;
+  float depth_reach = 0.5f;
   std::uint32_t normal_format = DCAA_NORMAL_2X16, depth_bits = 24;
 };
 
@@ -159,7 +160,8 @@ class Pixel {
     const float gy = std::clamp(dot(n, view_.dy) / along, -view_.most_slope, view_.most_slope);
     const float per_slope = s.depth * view_.rays_differ + view_.scale;
     const float stored_unit = std::ldexp(1.0f, 5 - static_cast<int>(std::min(options_.depth_bits, 28u)));
-    const float reach = 0.5f * (std::fabs(per_slope * gx) + std::fabs(per_slope * gy)) + s.depth * stored_unit;
+    const float reach =
+        options_.depth_reach * (std::fabs(per_slope * gx) + std::fabs(per_slope * gy)) + s.depth * stored_unit;
     return {s.depth - reach, s.depth + reach};
   }
 
@@ -189,8 +191,12 @@ class Pixel {
   }
 
   Surface merged(const Surface& a, const Surface& b) const {
-    const auto count_a = static_cast<float>(std::popcount(a.coverage));
-    const auto count_b = static_cast<float>(std::popcount(b.coverage));
+    const bool b_in_front = b.depth > a.depth;
+    const auto count = [&](const Surface& s, const Surface& other, bool behind) {
+      const std::uint64_t hidden = options_.weight_by_shown && behind ? other.coverage : 0;
+      return static_cast<float>(std::popcount(s.coverage & ~hidden));
+    };
+    const float count_a = count(a, b, b_in_front), count_b = count(b, a, !b_in_front);
     const float wa = count_a / (count_a + count_b), wb = count_b / (count_a + count_b);
     const auto blend = [&](Vector m, Vector n) {
       return Vector{m.x * wa + n.x * wb, m.y * wa + n.y * wb, m.z * wa + n.z * wb};

@@ -53,14 +53,18 @@ uvec2 fragment_coverage(PixelEdges edges) {
   return mask;
 }
 
-// Samples, as bits, whose offset has `bit` set in the given axis (offsets as numbers from 0 to 127).
-uvec2 offset_bits(uint axis, uint bit) {
-  uvec2 samples = uvec2(0u);
-  for (uint i = 0u; i < SAMPLES; ++i) {
-    uint at = uint(sample_offset(SAMPLES, i)[axis] + 64);
-    if (((at >> bit) & 1u) != 0u) samples[i >> 5] |= 1u << (i & 31u);
-  }
-  return samples;
+// Samples, as bits, whose offset plus 64, a number from 0 to 127, has bit 6, 5, 4 or 3 set. Written out, since drivers unroll
+// loops up to a size only.
+uvec2 offset_bits_x(uint bit) {
+  if (SAMPLES == 16u) return uvec2(bit == 6u ? 0x62e9u : bit == 5u ? 0x654eu : bit == 4u ? 0x69b2u : 0xa0d7u, 0u);
+  if (SAMPLES == 32u) return uvec2(bit == 6u ? 0xffff0000u : bit == 5u ? 0xff00ff00u : bit == 4u ? 0xf0f0f0f0u : 0xccccccccu, 0u);
+  return bit == 6u ? uvec2(0u, 0xffffffffu) : uvec2(bit == 5u ? 0xffff0000u : bit == 4u ? 0xff00ff00u : 0xf0f0f0f0u);
+}
+uvec2 offset_bits_y(uint bit) {
+  if (SAMPLES == 16u) return uvec2(bit == 6u ? 0x5965u : bit == 5u ? 0x693au : bit == 4u ? 0x45dcu : 0x42ebu, 0u);
+  uint low = bit == 6u ? 0x96696996u : bit == 5u ? 0x3cc3c33cu : bit == 4u ? 0xf00f0ff0u : 0x00ffff00u;
+  uint high = bit == 6u ? 0x69969669u : bit == 5u ? 0xc33c3cc3u : bit == 4u ? 0x0ff0f00fu : 0xff0000ffu;
+  return uvec2(low, SAMPLES == 32u ? 0u : high);
 }
 
 // Mean position of the samples of `mask`, in pixels from the centre, to 1/32 pixel: from the counts of the samples that
@@ -68,8 +72,8 @@ uvec2 offset_bits(uint axis, uint bit) {
 vec2 mask_centroid(uvec2 mask) {
   vec2 sum = vec2(0.0);
   for (uint bit = SAMPLES > 16u ? 4u : 3u; bit < 7u; ++bit) {
-    sum.x += float(1u << bit) * float(int(dcaa_count(mask & offset_bits(0u, bit))));
-    sum.y += float(1u << bit) * float(int(dcaa_count(mask & offset_bits(1u, bit))));
+    sum.x += float(1u << bit) * float(int(dcaa_count(mask & offset_bits_x(bit))));
+    sum.y += float(1u << bit) * float(int(dcaa_count(mask & offset_bits_y(bit))));
   }
   float rest = SAMPLES > 16u ? 8.0 : 0.0;
   return (sum / max(float(int(dcaa_count(mask))), 1.0) + rest - 64.0) * (1.0 / 128.0);

@@ -25,6 +25,7 @@ using glm::vec4;
 #define DCAA_KEEP_FRONT 2u    // section 3.3: the front-most surface never has to go
 #define DCAA_TABLE 4u         // coverage from the table, not exact
 #define DCAA_PREPASS 8u       // fragments behind the prepass's bound are dropped
+#define DCAA_WEIGHT_SHOWN 16u  // a merge weights the one behind by the samples that the one in front leaves it
 
 // Specialization constant 13: how a facet normal is stored.
 #define DCAA_NORMAL_2X16 0u  // octahedral (Cigolle et al. 2014)

@@ -35,7 +35,12 @@ vec3 dcaa_blend(vec3 a, vec3 b, float weight_a, float weight_b) {
 
 // Averages weighted by coverage; coverage by OR (section 3.2).
 DcaaSurface dcaa_merged(DcaaSurface a, DcaaSurface b) {
-  float count_a = float(int(dcaa_count(a.coverage))), count_b = float(int(dcaa_count(b.coverage)));
+  uvec2 weighing_a = a.coverage, weighing_b = b.coverage;
+  if (dcaa_option(DCAA_WEIGHT_SHOWN)) {
+    weighing_a &= b.depth > a.depth ? ~b.coverage : uvec2(0xffffffffu);
+    weighing_b &= b.depth > a.depth ? uvec2(0xffffffffu) : ~a.coverage;
+  }
+  float count_a = float(int(dcaa_count(weighing_a))), count_b = float(int(dcaa_count(weighing_b)));
   float weight_a = count_a / (count_a + count_b), weight_b = count_b / (count_a + count_b);
   DcaaSurface merged;
   merged.coverage = a.coverage | b.coverage;
@@ -92,21 +97,25 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
 
   // The coarse resolve: what each covers that none in front of its centre does.
   uint least = 0xffffffffu, leaving = 0u, leaving_rank = 0u;
-  for (uint i = 0u; i <= SURFACES; ++i) {
-    uvec2 hidden = uvec2(0u);
-    uint rank = 0u;
-    for (uint j = 0u; j <= SURFACES; ++j) {
-      bool in_front = depth[j] > depth[i] || (depth[j] == depth[i] && j < i);
-      hidden |= in_front ? coverage[j] : uvec2(0u);
-      rank += in_front ? 1u : 0u;
-    }
-    uint shown = dcaa_count(coverage[i] & ~hidden);
-    bool may_go = rank > 0u || !dcaa_option(DCAA_KEEP_FRONT);
-    bool better = may_go && (shown < least || (shown == least && rank > leaving_rank));
-    least = better ? shown : least;
-    leaving = better ? i : leaving;
-    leaving_rank = better ? rank : leaving_rank;
+#define COARSE(i)                                                                          \
+  {                                                                                        \
+    uvec2 hidden = uvec2(0u);                                                              \
+    uint rank = 0u;                                                                        \
+    for (uint j = 0u; j <= SURFACES; ++j) {                                                \
+      bool in_front = depth[j] > depth[i] || (depth[j] == depth[i] && j < i);              \
+      hidden |= in_front ? coverage[j] : uvec2(0u);                                        \
+      rank += in_front ? 1u : 0u;                                                          \
+    }                                                                                      \
+    uint shown = dcaa_count(coverage[i] & ~hidden);                                        \
+    bool may_go = rank > 0u || !dcaa_option(DCAA_KEEP_FRONT);                              \
+    bool better = may_go && (shown < least || (shown == least && rank > leaving_rank));    \
+    least = better ? shown : least;                                                        \
+    leaving = better ? i : leaving;                                                        \
+    leaving_rank = better ? rank : leaving_rank;                                           \
   }
+  EACH_SURFACE(COARSE)
+  COARSE(SURFACES)
+#undef COARSE
   DcaaSurface gone = fragment;
   for (uint i = 0u; i < SURFACES; ++i) gone = dcaa_select(leaving == i, surface[i], gone);
 
@@ -115,15 +124,19 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
     vec2 interval = dcaa_interval(dcaa_facet(gone.facet), gone.depth, ray, view);
     float best = -1.0;
     DcaaSurface with = fragment;
-    for (uint i = 0u; i <= SURFACES; ++i) {
-      DcaaSurface other = fragment;
-      if (i < SURFACES) other = surface[i];
-      float share = dcaa_shared_depth(dcaa_interval(dcaa_facet(other.facet), other.depth, ray, view), interval);
-      bool better = i != leaving && share > best;
-      best = better ? share : best;
-      partner = better ? i : partner;
-      with = dcaa_select(better, other, with);
-    }
+#define CONSIDER(i, other)                                                                                  \
+  {                                                                                                         \
+    float share = dcaa_shared_depth(dcaa_interval(dcaa_facet(other.facet), other.depth, ray, view), interval); \
+    bool better = i != leaving && share > best;                                                             \
+    best = better ? share : best;                                                                           \
+    partner = better ? i : partner;                                                                         \
+    with = dcaa_select(better, other, with);                                                                \
+  }
+#define CONSIDER_SURFACE(i) CONSIDER(i, surface[i])
+    EACH_SURFACE(CONSIDER_SURFACE)
+    CONSIDER(SURFACES, fragment)
+#undef CONSIDER_SURFACE
+#undef CONSIDER
     with = dcaa_merged(with, gone);
     for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(partner == i, with, surface[i]);
     fragment = dcaa_select(partner == SURFACES, with, fragment);
@@ -144,18 +157,19 @@ void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], Dca
     vec2 interval = dcaa_interval(normal, fragment.depth, ray, view);
     precise float per_cosine = 1.0 / max(1.0 - COS_NORMAL_ANGLE, 1e-6);
     float best = -1.0;
-    for (uint i = 0u; i < SURFACES; ++i) {
-      for (bool go = i < count; go; go = false) {
-        vec3 other = dcaa_facet(surface[i].facet);
-        precise float cosine = normal.x * other.x + normal.y * other.y + normal.z * other.z;
-        float share = dcaa_shared_depth(dcaa_interval(other, surface[i].depth, ray, view), interval);
-        precise float score = (cosine - COS_NORMAL_ANGLE) * per_cosine + share;
-        bool better = cosine > COS_NORMAL_ANGLE && share >= 0.0 && score > best;
-        best = better ? score : best;
-        target = better ? i : target;
-        merges = merges || better;
-      }
-    }
+#define CONSIDER(i)                                                                                           \
+  for (bool go = i < count; go; go = false) {                                                                  \
+    vec3 other = dcaa_facet(surface[i].facet);                                                                 \
+    precise float cosine = normal.x * other.x + normal.y * other.y + normal.z * other.z;                       \
+    float share = dcaa_shared_depth(dcaa_interval(other, surface[i].depth, ray, view), interval);              \
+    precise float score = (cosine - COS_NORMAL_ANGLE) * per_cosine + share;                                    \
+    bool better = cosine > COS_NORMAL_ANGLE && share >= 0.0 && score > best;                                   \
+    best = better ? score : best;                                                                              \
+    target = better ? i : target;                                                                              \
+    merges = merges || better;                                                                                 \
+  }
+    EACH_SURFACE(CONSIDER)
+#undef CONSIDER
     for (bool go = merges; go; go = false) {
       DcaaSurface old = surface[0];
       for (uint i = 1u; i < SURFACES; ++i) old = dcaa_select(target == i, surface[i], old);

@@ -12,12 +12,31 @@ layout(constant_id = 0) const uint SAMPLES = 64u;
 #include "include/resolve.glsl"
 #include "techniques/dcaa/surface.glsl"
 #include "techniques/dcaa/coverage.glsl"
+#include "techniques/dcaa/depth_bound.glsl"
 #include "techniques/dcaa/state.glsl"
 #include "techniques/dcaa/state_read.glsl"
 
 layout(set = 0, binding = 3, scalar) readonly buffer ViewBlock { DcaaView view; };
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_display;
+
+// Samples at which the plane of a difference of depths is above 0, or 0 if `at_zero`. Written out, since drivers unroll
+// loops up to a size only.
+uvec2 samples_ahead(vec3 difference, bool at_zero) {
+  uvec2 samples = uvec2(0u);
+#define AHEAD(i)                                                                                                     \
+  {                                                                                                                  \
+    vec2 offset = vec2(sample_offset(SAMPLES, (i) % SAMPLES)) * (1.0 / float(SUBPIXEL_SAMPLE_GRID));                 \
+    float d = difference.x + difference.y * offset.x + difference.z * offset.y;                                      \
+    samples[(i) >> 5] |= d > 0.0 || (at_zero && d == 0.0) ? 1u << ((i) & 31u) : 0u;                                  \
+  }
+#define AHEAD_8(i) \
+  AHEAD(i) AHEAD(i + 1u) AHEAD(i + 2u) AHEAD(i + 3u) AHEAD(i + 4u) AHEAD(i + 5u) AHEAD(i + 6u) AHEAD(i + 7u)
+  AHEAD_8(0u) AHEAD_8(8u)
+  if (SAMPLES > 16u) { AHEAD_8(16u) AHEAD_8(24u) }
+  if (SAMPLES > 32u) { AHEAD_8(32u) AHEAD_8(40u) AHEAD_8(48u) AHEAD_8(56u) }
+  return samples;
+}
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
@@ -33,23 +52,39 @@ void main() {
     uvec2 shown[DCAA_MAX_SURFACES];
     for (uint s = 0u; s < SURFACES; ++s) {
       slopes[s] = dcaa_slopes(dcaa_facet(surface[s].facet), surface[s].depth, ray, view);
-      shown[s] = s == 0u ? surface[0].coverage : uvec2(0u);
+      shown[s] = surface[s].coverage;
     }
-    for (bool several = count > 1u; several; several = false) {
-      for (uint s = 0u; s < SURFACES; ++s) shown[s] = uvec2(0u);
-      for (uint i = 0u; i < SAMPLES; ++i) {
-        vec2 offset = vec2(sample_offset(SAMPLES, i)) * (1.0 / float(SUBPIXEL_SAMPLE_GRID));
-        uint bit = 1u << (i & 31u);
-        float nearest = -1e30;
-        uint owner = SURFACES;
-        for (uint s = 0u; s < SURFACES; ++s) {
-          float depth = surface[s].depth + slopes[s].x * offset.x + slopes[s].y * offset.y;
-          bool nearer = s < count && (surface[s].coverage[i >> 5] & bit) != 0u && depth > nearest;
-          nearest = nearer ? depth : nearest;
-          owner = nearer ? s : owner;
-        }
-        for (uint s = 0u; s < SURFACES; ++s) shown[s][i >> 5] |= owner == s ? bit : 0u;
+    // What of each is in front. Of two planes, one is in front on one side of a line; most don't meet within the pixel.
+    uint unresolved = count > 1u ? (1u << count) - 1u : 0u;
+    while (unresolved != 0u) {
+      uint which = uint(findLSB(unresolved));
+      unresolved &= unresolved - 1u;
+      vec3 plane = vec3(surface[0].depth, slopes[0]);
+      uvec2 own = surface[0].coverage, hidden = uvec2(0u);
+      for (uint i = 1u; i < SURFACES; ++i) {
+        plane = which == i ? vec3(surface[i].depth, slopes[i]) : plane;
+        own = which == i ? surface[i].coverage : own;
       }
+      uint rivals = 0u;
+      for (uint i = 0u; i < SURFACES; ++i) {
+        float ahead = surface[i].depth - plane.x;
+        float reach = plane_reach(slopes[i] - plane.yz);
+        bool over = i < count && i != which && (surface[i].coverage & own) != uvec2(0u);
+        hidden |= over && ahead > reach ? surface[i].coverage : uvec2(0u);
+        rivals |= over && abs(ahead) <= reach ? 1u << i : 0u;
+      }
+      while (rivals != 0u) {
+        uint rival = uint(findLSB(rivals));
+        rivals &= rivals - 1u;
+        vec3 other = vec3(surface[0].depth, slopes[0]);
+        uvec2 covered_by = surface[0].coverage;
+        for (uint i = 1u; i < SURFACES; ++i) {
+          other = rival == i ? vec3(surface[i].depth, slopes[i]) : other;
+          covered_by = rival == i ? surface[i].coverage : covered_by;
+        }
+        hidden |= covered_by & samples_ahead(other - plane, rival < which);
+      }
+      for (uint i = 0u; i < SURFACES; ++i) shown[i] = which == i ? own & ~hidden : shown[i];
     }
 
     uint left = 0u;  // surfaces yet to shade

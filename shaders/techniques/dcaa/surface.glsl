@@ -13,6 +13,21 @@ layout(constant_id = 12) const uint DCAA_OPTIONS = DCAA_SECOND_MERGE | DCAA_KEEP
 layout(constant_id = 13) const uint NORMAL_FORMAT = DCAA_NORMAL_2X16;
 layout(constant_id = 14) const uint DEPTH_BITS = 24u;
 
+// How far from the pixel's centre a surface's depth interval reaches, in pixels.
+layout(constant_id = 17) const float DEPTH_REACH = 0.5;
+
+// M(k) for each surface. Loops over surfaces have to be unrolled, or their arrays lie in memory; drivers don't unroll loops
+// that hold others, or large ones.
+#define EACH_SURFACE(M)     \
+  M(0u)                     \
+  if (SURFACES > 1u) { M(1u) } \
+  if (SURFACES > 2u) { M(2u) } \
+  if (SURFACES > 3u) { M(3u) } \
+  if (SURFACES > 4u) { M(4u) } \
+  if (SURFACES > 5u) { M(5u) } \
+  if (SURFACES > 6u) { M(6u) } \
+  if (SURFACES > 7u) { M(7u) }
+
 bool dcaa_option(uint option) { return (DCAA_OPTIONS & option) != 0u; }
 
 struct DcaaSurface {
@@ -128,7 +143,7 @@ vec3 dcaa_ray(ivec2 pixel, DcaaView view) {
 vec2 dcaa_interval(vec3 n, float depth, vec3 ray, DcaaView view) {
   vec2 slope = abs(dcaa_slopes(n, depth, ray, view));
   float unit = uintBitsToFloat((127u + 5u - min(DEPTH_BITS, 28u)) << 23);
-  precise float reach = 0.5 * (slope.x + slope.y) + depth * unit;
+  precise float reach = DEPTH_REACH * (slope.x + slope.y) + depth * unit;
   precise vec2 interval = vec2(depth - reach, depth + reach);
   return interval;
 }
