@@ -10,8 +10,10 @@
 #include <string>
 
 #include "replay/measure/advisor.hpp"
+#include "replay/measure/atomic_file.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/image.hpp"
+#include "replay/measure/maps.hpp"
 #include "replay/measure/metrics.hpp"
 #include "replay/measure/results_file.hpp"
 
@@ -21,13 +23,28 @@ namespace {
 using nlohmann::json;
 
 struct CompareOptions {
-  std::string reference, test;
+  std::string reference, test, error_map;
   double pixels_per_degree = replay::FlipOptions{}.pixels_per_degree;
   bool as_json = false;
 };
 
 json number(double value) {
   return std::isfinite(value) ? json(value) : json(nullptr);
+}
+
+json pooled(const replay::FlipResult& flip) {
+  return {{"mean", flip.mean},
+          {"weighted_first_quartile", flip.weighted_first_quartile},
+          {"weighted_median", flip.weighted_median},
+          {"weighted_third_quartile", flip.weighted_third_quartile},
+          {"p99", flip.p99},
+          {"max", flip.maximum}};
+}
+
+std::string pooled_line(const replay::FlipResult& flip) {
+  return fmt::format("mean {:.6f}  weighted quartiles {:.6f} {:.6f} {:.6f}  p99 {:.6f}  max {:.6f}", flip.mean,
+                     flip.weighted_first_quartile, flip.weighted_median, flip.weighted_third_quartile, flip.p99,
+                     flip.maximum);
 }
 
 int compare(const CompareOptions& options) {
@@ -39,36 +56,43 @@ int compare(const CompareOptions& options) {
   const replay::Image b = replay::to_display(test);
   const double mse = replay::mse(a, b);
   const double ssim = replay::ssim(a, b);
-  const replay::FlipResult flip = replay::flip(a, b, {.pixels_per_degree = options.pixels_per_degree});
+  const replay::FlipOptions viewing{.pixels_per_degree = options.pixels_per_degree};
+  const replay::FlipResult flip = replay::flip(a, b, viewing);
+  std::optional<replay::HdrFlipResult> hdr;
+  if (linear) hdr = replay::hdr_flip(reference, test, viewing);
   const double relative = linear ? replay::hdr_relative_mse(reference, test) : std::nan("");
+  if (!options.error_map.empty())
+    replay::write_file_atomically(
+        options.error_map,
+        replay::encode_png(
+            replay::colour_values(hdr ? hdr->error.map : flip.map, 1, replay::ColourMap::magma, "FLIP", "").image));
   if (options.as_json) {
-    const json document = {{"reference", options.reference},
-                           {"test", options.test},
-                           {"width", a.width},
-                           {"height", a.height},
-                           {"mse", mse},
-                           {"psnr", number(replay::psnr_db(mse))},
-                           {"ssim", number(ssim)},
-                           {"hdr_rel_mse", number(relative)},
-                           {"flip",
-                            {{"pixels_per_degree", options.pixels_per_degree},
-                             {"mean", flip.mean},
-                             {"weighted_first_quartile", flip.weighted_first_quartile},
-                             {"weighted_median", flip.weighted_median},
-                             {"weighted_third_quartile", flip.weighted_third_quartile},
-                             {"p99", flip.p99},
-                             {"max", flip.maximum}}}};
+    json document = {{"reference", options.reference},
+                     {"test", options.test},
+                     {"width", a.width},
+                     {"height", a.height},
+                     {"mse", mse},
+                     {"psnr", number(replay::psnr_db(mse))},
+                     {"ssim", number(ssim)},
+                     {"hdr_rel_mse", number(relative)},
+                     {"flip", pooled(flip)}};
+    document["flip"]["pixels_per_degree"] = options.pixels_per_degree;
+    if (hdr) {
+      document["hdr_flip"] = pooled(hdr->error);
+      document["hdr_flip"]["start_exposure"] = hdr->start;
+      document["hdr_flip"]["stop_exposure"] = hdr->stop;
+      document["hdr_flip"]["exposures"] = hdr->exposures;
+    }
     std::cout << document.dump(1) << "\n";
     return 0;
   }
   std::cout << fmt::format("size  {}x{}\nMSE   {:.6e}\nPSNR  {:.3f} dB\nSSIM  {:.6f}\n", a.width, a.height, mse,
                            replay::psnr_db(mse), ssim);
   if (linear) std::cout << fmt::format("HDR relative MSE  {:.6e}\n", relative);
-  std::cout << fmt::format(
-      "FLIP  mean {:.6f}  weighted quartiles {:.6f} {:.6f} {:.6f}  p99 {:.6f}  max {:.6f}  at {:.2f} pixels per "
-      "degree\n",
-      flip.mean, flip.weighted_first_quartile, flip.weighted_median, flip.weighted_third_quartile, flip.p99,
-      flip.maximum, options.pixels_per_degree);
+  std::cout << fmt::format("FLIP  {}  at {:.2f} pixels per degree\n", pooled_line(flip), options.pixels_per_degree);
+  if (hdr)
+    std::cout << fmt::format("HDR-FLIP  {}  over {} exposures, {:.4f} to {:.4f} stops\n", pooled_line(hdr->error),
+                             hdr->exposures, hdr->start, hdr->stop);
   return 0;
 }
 
@@ -88,11 +112,14 @@ int advise(const AdviseOptions& options) {
 
 void add_measure_verbs(CLI::App& app, std::function<int()>& action) {
   const auto compare_options = std::make_shared<CompareOptions>();
-  CLI::App* const compare_verb = app.add_subcommand("compare", "MSE, PSNR, SSIM and FLIP of two images");
+  CLI::App* const compare_verb =
+      app.add_subcommand("compare", "MSE, PSNR, SSIM and FLIP of two images; HDR-FLIP of two linear ones");
   compare_verb->add_option("reference", compare_options->reference, "Image that is right")->required();
   compare_verb->add_option("test", compare_options->test, "Image to compare with it")->required();
   compare_verb->add_option("--pixels-per-degree", compare_options->pixels_per_degree,
                            "Viewing conditions of FLIP; default: a 0.7 m wide display of 3840 pixels from 0.7 m");
+  compare_verb->add_option("--error-map", compare_options->error_map,
+                           "Write FLIP's map as a PNG; of two linear images (EXR, HDR) that of HDR-FLIP");
   compare_verb->add_flag("--json", compare_options->as_json, "One JSON document");
   compare_verb->callback(
       [compare_options, &action] { action = [compare_options] { return compare(*compare_options); }; });

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "capture_format/error.hpp"
+#include "replay/measure/flip_exposures.hpp"
 #include "replay/measure/flip_filters.hpp"
 #include "replay/measure/metrics.hpp"
 #include "replay/measure/percentiles.hpp"
@@ -194,11 +195,13 @@ class FilteredRows {
   void load_row(int y) {
     const float* pixel = &image_.pixels[image_.offset(0, static_cast<std::uint32_t>(y))];
     const bool grey = image_.colour_channels() == 1;
+    const bool linear = image_.encoding == Encoding::linear;
+    const auto value = [&](float stored) { return linear ? stored : context_.decode(stored); };
     for (std::uint32_t x = 0; x < image_.width; ++x, pixel += image_.channels) {
-      const float r = context_.decode(pixel[0]);
+      const float r = value(pixel[0]);
       y_.data()[x] = r;
-      cx_.data()[x] = grey ? r : context_.decode(pixel[1]);
-      cz_.data()[x] = grey ? r : context_.decode(pixel[2]);
+      cx_.data()[x] = grey ? r : value(pixel[1]);
+      cz_.data()[x] = grey ? r : value(pixel[2]);
     }
     for (std::uint32_t x = 0; x < image_.width; x += lane_count) {
       const Colour xyz = to_xyz({load(y_.data() + x), load(cx_.data() + x), load(cz_.data() + x)});
@@ -363,29 +366,32 @@ void flip_rows(const FlipContext& context, const Image& reference, const Image& 
   }
 }
 
-}  // namespace
-
-FlipResult flip(const Image& reference, const Image& test, const FlipOptions& options) {
-  require_same_shape(reference, test);
-  assert(reference.encoding == Encoding::display && test.encoding == Encoding::display);
+FlipContext make_context(const FlipOptions& options) {
   if (!(options.pixels_per_degree >= 1 && options.pixels_per_degree <= 1000)) {
     throw InputError("FLIP", "pixels per degree " + std::to_string(options.pixels_per_degree) + " is not in 1 to 1000",
                      "viewing conditions");
   }
-  const FlipContext context{.kernels = flip_kernels(options.pixels_per_degree), .decode = {}};
-  FlipResult result;
-  result.map = Image(reference.width, reference.height, 1);
+  return {.kernels = flip_kernels(options.pixels_per_degree), .decode = {}};
+}
+
+// Linear images hold values in 0..1.
+Image flip_map(const FlipContext& context, const Image& reference, const Image& test, unsigned wanted_threads) {
+  Image map(reference.width, reference.height, 1);
   const int height = static_cast<int>(reference.height);
-  const int threads = std::clamp(static_cast<int>(options.threads), 1, std::max(height / 64, 1));
-  {
-    std::vector<std::jthread> workers;
-    for (int i = 1; i < threads; ++i) {
-      workers.emplace_back([&, i] {
-        flip_rows(context, reference, test, height * i / threads, height * (i + 1) / threads, result.map);
-      });
-    }
-    flip_rows(context, reference, test, 0, height / threads, result.map);
+  const int threads = std::clamp(static_cast<int>(wanted_threads), 1, std::max(height / 64, 1));
+  std::vector<std::jthread> workers;
+  for (int i = 1; i < threads; ++i) {
+    workers.emplace_back(
+        [&, i] { flip_rows(context, reference, test, height * i / threads, height * (i + 1) / threads, map); });
   }
+  flip_rows(context, reference, test, 0, height / threads, map);
+  workers.clear();
+  return map;
+}
+
+FlipResult pooled(Image map) {
+  FlipResult result;
+  result.map = std::move(map);
   const Percentiles percentiles(result.map.pixels);
   result.mean = percentiles.mean();
   result.minimum = percentiles.minimum();
@@ -394,6 +400,36 @@ FlipResult flip(const Image& reference, const Image& test, const FlipOptions& op
   result.weighted_first_quartile = percentiles.weighted_at(0.25);
   result.weighted_median = percentiles.weighted_at(0.5);
   result.weighted_third_quartile = percentiles.weighted_at(0.75);
+  return result;
+}
+
+}  // namespace
+
+FlipResult flip(const Image& reference, const Image& test, const FlipOptions& options) {
+  require_same_shape(reference, test);
+  assert(reference.encoding == Encoding::display && test.encoding == Encoding::display);
+  return pooled(flip_map(make_context(options), reference, test, options.threads));
+}
+
+HdrFlipResult hdr_flip(const Image& reference, const Image& test, const FlipOptions& options) {
+  require_same_shape(reference, test);
+  assert(reference.encoding == Encoding::linear && test.encoding == Encoding::linear);
+  const FlipContext context = make_context(options);
+  const ExposureRange range = exposure_range(reference);
+  HdrFlipResult result{.start = range.start, .stop = range.stop, .exposures = range.count};
+  Image map(reference.width, reference.height, 1);
+  result.at.assign(map.pixels.size(), 0);
+  for (std::uint32_t i = 0; i < range.count; ++i) {
+    const double exposure =
+        range.count == 1 ? range.start : range.start + i * (range.stop - range.start) / (range.count - 1);
+    const Image one = flip_map(context, tone_mapped(reference, exposure), tone_mapped(test, exposure), options.threads);
+    for (std::size_t p = 0; p < map.pixels.size(); ++p) {
+      if (!(one.pixels[p] > map.pixels[p])) continue;
+      map.pixels[p] = one.pixels[p];
+      result.at[p] = static_cast<std::uint16_t>(i);
+    }
+  }
+  result.error = pooled(std::move(map));
   return result;
 }
 

@@ -34,4 +34,21 @@ struct FlipResult {
 // as 0. FLIP is symmetric. Throws InputError when the sizes differ or the pixels per degree are not in 1 to 1000.
 FlipResult flip(const Image& reference, const Image& test, const FlipOptions& options = {});
 
+// FLIP of linear images: the largest FLIP that a pixel has at any exposure a viewer might choose.
+// Andersson, Nilsson, Shirley, Akenine-Moller: "Visualizing Errors in Rendered High Dynamic Range Images",
+// Eurographics 2021, short papers. The tone curve is the ACES fit that the paper assumes by default.
+struct HdrFlipResult {
+  FlipResult error;               // of the maximum over all exposures
+  double start = 0, stop = 0;     // log2 of the first and the last exposure's factor
+  std::uint32_t exposures = 0;    // evenly spaced from start to stop
+  std::vector<std::uint16_t> at;  // for each pixel, the first exposure, from 0, that has its error
+};
+
+// Both images are linear. Negative values and NaN count as 0, infinite ones as the largest float. The range of
+// exposures comes from the reference alone: the first brings its largest luminance to 0.85 of the display's range, the
+// last its median. So HDR-FLIP is symmetric only between images of the same luminances. Where the paper's formulae
+// have no value (a median of 0) the median is that of the luminances above 0; a black reference is compared as it is.
+// Throws InputError as flip() does.
+HdrFlipResult hdr_flip(const Image& reference, const Image& test, const FlipOptions& options = {});
+
 }  // namespace subpixel::replay

@@ -137,7 +137,10 @@ inline Features features(const Image& image, double ppd) {
   const int width = static_cast<int>(image.width);
   const int height = static_cast<int>(image.height);
   const std::size_t size = static_cast<std::size_t>(width) * height;
-  const auto decode = [](double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); };
+  const auto decode = [&](double v) {
+    if (image.encoding == Encoding::linear) return v;
+    return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+  };
   std::array<Plane, 3> opponent{Plane(size), Plane(size), Plane(size)};
   Plane luminance(size);
   for (std::size_t i = 0; i < size; ++i) {
