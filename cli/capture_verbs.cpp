@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
@@ -51,19 +52,35 @@ void write_and_report(const capture::Capture& made, const std::string& path) {
 struct GenerateArguments {
   std::string scene, out, size;
   capture::GenerateOptions options;
+  std::optional<std::uint32_t> frames;
   bool list = false;
 };
 
+void list_scenes() {
+  constexpr std::array kTitles{"Scenes, 1280x720, 10 frames:", "Small scenes:",
+                               "Hard cases, 48x36 to 64x48, 2 frames; with what every technique has to show:"};
+  std::optional<capture::SceneGroup> group;
+  for (const capture::SceneInfo& scene : capture::list_scenes()) {
+    if (group != scene.group) fmt::print("{}{}\n", group ? "\n" : "", kTitles[static_cast<std::size_t>(scene.group)]);
+    group = scene.group;
+    fmt::print("  {:<22} {}\n", scene.name, scene.description);
+    if (!scene.expectation.empty()) fmt::print("  {:<22} -> {}\n", "", scene.expectation);
+  }
+}
+
 int generate(const GenerateArguments& arguments) {
   if (arguments.list) {
-    for (const capture::SceneInfo& scene : capture::list_scenes())
-      fmt::print("{:<12} {}\n", scene.name, scene.description);
+    list_scenes();
     return 0;
   }
   if (arguments.scene.empty() || arguments.out.empty()) {
     throw UsageError("can't generate", "a scene and a file to write are needed; --list names the scenes", "");
   }
   capture::GenerateOptions options = arguments.options;
+  const capture::SceneInfo scene = capture::find_scene(arguments.scene);
+  options.frames = arguments.frames.value_or(scene.frames);
+  options.width = scene.width;
+  options.height = scene.height;
   if (!arguments.size.empty()) {
     const Size size = parse_size(arguments.size);
     options.width = size.width;
@@ -79,8 +96,8 @@ void add_generate(CLI::App& app, std::function<int()>& action) {
   verb->add_option("scene", arguments->scene, "Scene; --list names them");
   verb->add_option("out", arguments->out, "Capture to write");
   verb->add_flag("--list", arguments->list, "List the scenes");
-  verb->add_option("--frames", arguments->options.frames, "Frames, 1/30 s apart")->capture_default_str();
-  verb->add_option("--size", arguments->size, "WxH in pixels; default: 1280x720");
+  verb->add_option("--frames", arguments->frames, "Frames, 1/30 s apart; default: 10, of hard cases 2");
+  verb->add_option("--size", arguments->size, "WxH in pixels; default: 1280x720, of hard cases about 64x48");
   verb->add_option("--seed", arguments->options.seed, "The same seed gives the same bytes")->capture_default_str();
   verb->add_option("--density", arguments->options.density, "Factor on the number of blades, leaves, fibres, ...")
       ->capture_default_str();

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "capture_format/error.hpp"
+#include "capture_format/generate/hard_cases/hard_cases.hpp"
 #include "capture_format/generate/scenes.hpp"
 #include "capture_format/limits.hpp"
 
@@ -32,17 +33,12 @@ constexpr std::array kScenes{
           [](const GenerateOptions& options) { return foliage(options); }},
     Scene{{"arcade", "hall of columns and arches in brick and stone, sun and 32 lamps on chains"},
           [](const GenerateOptions& options) { return arcade(options); }},
-    Scene{{"triangle", "one triangle"}, triangle},
-    Scene{{"empty", "frames without a draw call"}, empty},
-    Scene{{"cube", "a closed mesh of 12 triangles, turned so that three faces show"}, cube},
-    Scene{{"quads", "overlapping rectangles at three depths, one alpha-tested, one emissive"}, quads},
-    Scene{{"spheres", "grid of spheres, metallic from bottom to top and rough from left to right"}, spheres},
-    Scene{{"streaming_normals", "steep pleats: what merging without the condition on normals gets wrong"},
-          streaming_normals},
-    Scene{{"streaming_depth", "slats before a finely meshed wall: the same for depths"}, streaming_depth},
-    Scene{{"streaming_coverage", "mats on a floor at a grazing angle: the same for coverage"}, streaming_coverage},
-    Scene{{"streaming_angle", "light strips beside dark ones at 30 degrees: a merge that all conditions allow"},
-          streaming_angle},
+    Scene{{"triangle", "one triangle", SceneGroup::small}, triangle},
+    Scene{{"cube", "a closed mesh of 12 triangles, turned so that three faces show", SceneGroup::small}, cube},
+    Scene{{"quads", "overlapping rectangles at three depths, one alpha-tested, one emissive", SceneGroup::small},
+          quads},
+    Scene{{"spheres", "grid of spheres, metallic from bottom to top and rough from left to right", SceneGroup::small},
+          spheres},
 };
 
 void require(bool holds, std::string_view parameter, const std::string& why) {
@@ -53,18 +49,23 @@ void require(bool holds, std::string_view parameter, const std::string& why) {
 
 std::vector<SceneInfo> list_scenes() {
   std::vector<SceneInfo> list;
-  list.reserve(kScenes.size());
   for (const Scene& scene : kScenes) list.push_back(scene.info);
+  for (const HardCase& hard : hard_cases())
+    list.push_back({hard.name, hard.description, SceneGroup::hard, hard.expectation, 2, hard.width, hard.height});
   return list;
 }
 
-Capture generate(std::string_view name, const GenerateOptions& options) {
-  const auto scene = std::find_if(kScenes.begin(), kScenes.end(), [&](const Scene& s) { return s.info.name == name; });
-  if (scene == kScenes.end()) {
-    std::string known;
-    for (const Scene& s : kScenes) known += (known.empty() ? "" : ", ") + std::string(s.info.name);
-    throw UsageError(fmt::format("unknown scene '{}'", name), "the scenes are " + known, "");
+SceneInfo find_scene(std::string_view name) {
+  std::string known;
+  for (const SceneInfo& scene : list_scenes()) {
+    if (scene.name == name) return scene;
+    known += (known.empty() ? "" : ", ") + std::string(scene.name);
   }
+  throw UsageError(fmt::format("unknown scene '{}'", name), "the scenes are " + known, "");
+}
+
+Capture generate(std::string_view name, const GenerateOptions& options) {
+  find_scene(name);
   const auto require_range = [](std::string_view parameter, auto value, auto low, auto high) {
     require(value >= low && value <= high, parameter, fmt::format("{} is outside {} to {}", value, low, high));
   };
@@ -72,7 +73,11 @@ Capture generate(std::string_view name, const GenerateOptions& options) {
   require_range("width", options.width, 1u, kMaxFrameSide);
   require_range("height", options.height, 1u, kMaxFrameSide);
   require_range("density", options.density, 0.001, 100.0);
-  return scene->make(options);
+  const auto scene = std::find_if(kScenes.begin(), kScenes.end(), [&](const Scene& s) { return s.info.name == name; });
+  if (scene != kScenes.end()) return scene->make(options);
+  const auto cases = hard_cases();
+  return std::find_if(cases.begin(), cases.end(), [&](const HardCase& hard) { return hard.name == name; })
+      ->make(options);
 }
 
 }  // namespace subpixel::capture
