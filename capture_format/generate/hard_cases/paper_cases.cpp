@@ -54,8 +54,9 @@ Capture hard_shadow_albedo(const GenerateOptions& options) {
   for (int i = 0; i < count; ++i) {
     const double left = (i - count / 2 + 0.3) * width;
     add_quad(stripes[i % 2 == 0 ? 0 : 1], {left, -1.2, 0}, {width, 0, 0}, {0, 2.4, 0});
-    // Shadows on the upper half: below, white is lit, too.
-    if (i % 2 == 0) add_box(slats, {left, 0, 8}, {left + width, 1.3, 8.02});
+    // Shadows on the upper half: below, white is lit, too. They are wider than the stripes by the shadow filter's
+    // reach.
+    if (i % 2 == 0) add_box(slats, {left - 0.3 * width, 0, 8}, {left + 1.3 * width, 1.3, 8.02});
   }
   const std::array materials{add_plain_material(scene, "white", {0.9, 0.9, 0.9}, 1),
                              add_plain_material(scene, "black", {0.02, 0.02, 0.02}, 1)};
@@ -128,7 +129,7 @@ Capture hard_blurred_texture(const GenerateOptions& options) {
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
       add_quad(wall, {(column - columns / 2) * cell, (row - rows / 2) * cell, 0}, {cell, 0, 0}, {0, cell, 0},
-               0.11 / pixel);
+               0.05 / pixel);
   scene.draw(scene.add_mesh("wall", wall), "wall", scene.add_material(checker), rotation({0, 0, 1}, 11 * kPi / 180));
   return scene.finish(case_camera(kDistance), options.frames, options.width, options.height);
 }
