@@ -1,0 +1,242 @@
+// Every technique of the registry on every hard case.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <cmath>
+
+#include <numeric>
+
+#include "tests/hard_cases/bounds.hpp"
+#include "tests/hard_cases/case_run.hpp"
+#include "tests/technique/scene_device_fixture.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+constexpr std::uint32_t kReferenceSamples = 64;
+
+// Shared by the processes that run the tests, which come to the same keys for the same scenes.
+std::filesystem::path reference_folder() {
+  return std::filesystem::path(SUBPIXEL_BINARY).parent_path() / "hard_case_references";
+}
+
+const capture::HardCase& find_case(std::string_view name) {
+  for (const capture::HardCase& hard : capture::hard_cases())
+    if (hard.name == name) return hard;
+  throw std::logic_error("no such case");
+}
+
+class HardCases : public testing::TestWithParam<const Technique*> {
+ protected:
+  const Technique& technique() const { return *GetParam(); }
+  bool single_sample() const { return technique().name == "noaa" || technique().name == "fxaa"; }
+};
+
+// No pixel is NaN, infinite or negative; no pixel is lit more often than it has samples.
+void expect_sound(const CaseResult& result, std::string_view name) {
+  EXPECT_EQ(invalid_pixels(result.radiance), 0u) << name;
+  EXPECT_EQ(invalid_pixels(result.display), 0u) << name;
+  for (const float value : result.display.pixels) ASSERT_LE(value, 1.0f) << name;
+  for (const float value : result.radiance.pixels) ASSERT_LE(value, 60000.0f) << name;
+  for (std::size_t i = 0; i < result.executions.size(); ++i) {
+    const float executions = result.executions[i];
+    ASSERT_EQ(executions, std::floor(executions)) << name << " pixel " << i;
+    ASSERT_TRUE(executions >= 0 && executions <= static_cast<float>(result.samples)) << name << " pixel " << i;
+  }
+}
+
+TEST_P(HardCases, StayWithinTheirBounds) {
+  const ErrorBounds bounds;
+  for (const capture::HardCase& hard : capture::hard_cases()) {
+    ASSERT_TRUE(bounds.has(hard.name)) << hard.name << " lacks a row in bounds.json";
+    CaseScene scene(test_device(), make_case(hard));
+    const CaseResult result = scene.run(technique());
+    expect_sound(result, hard.name);
+    const double error = mse(scene.reference(kReferenceSamples, reference_folder()).display, result.display);
+    const ErrorBound bound = bounds.of(hard.name, technique().name);
+    EXPECT_LE(error, bound.mse) << hard.name << ": " << bound.why;
+    RecordProperty(std::string(hard.name), std::to_string(error));
+    const double executions = std::accumulate(result.executions.begin(), result.executions.end(), 0.0);
+    EXPECT_EQ(executions > 0, hard.name != "empty") << hard.name;
+  }
+}
+
+// The fewest and the most samples, and the least of every other number: one surface, the smallest pool, angle 0.
+TEST_P(HardCases, ExtremeParametersStaySound) {
+  for (const std::string_view name : {"hard_overflow", "hard_opposite_normals"}) {
+    CaseScene scene(test_device(), make_case(find_case(name)));
+    for (const Parameter& p : technique().parameters) {
+      if (p.kind != ParameterKind::integer && p.kind != ParameterKind::number) continue;
+      std::vector<double> values{p.minimum};
+      if (p.name == "samples") values = {p.allowed.front(), p.allowed.back()};
+      for (const double value : values) {
+        if (p.default_value.is_number() && p.default_value.get<double>() == value) continue;
+        const nlohmann::json given =
+            p.kind == ParameterKind::integer ? nlohmann::json(static_cast<int>(value)) : nlohmann::json(value);
+        expect_sound(scene.run(technique(), {{std::string(p.name), given}}),
+                     fmt::format("{}, {} = {}", name, p.name, value));
+      }
+    }
+  }
+}
+
+TEST_P(HardCases, AnEmptyFrameIsTheSky) {
+  CaseScene scene(test_device(), make_case(find_case("empty")));
+  const CaseResult result = scene.run(technique());
+  const auto& sky = scene.capture.frames[0].sky;
+  for (std::size_t i = 0; i < result.radiance.pixels.size(); ++i)
+    ASSERT_NEAR(result.radiance.pixels[i], sky[i % 3], 1e-6f);
+  for (const float executions : result.executions) ASSERT_EQ(executions, 0);
+}
+
+TEST_P(HardCases, OneTriangleFillsTheScreen) {
+  CaseScene scene(test_device(), make_case(find_case("hard_fullscreen")));
+  const CaseResult result = scene.run(technique());
+  const float colour[] = {0.5f, 0.25f, 1};
+  for (std::size_t i = 0; i < result.radiance.pixels.size(); ++i)
+    ASSERT_NEAR(result.radiance.pixels[i], colour[i % 3], 1e-6f) << "pixel " << i / 3;
+  for (const float executions : result.executions) ASSERT_GE(executions, 1);
+}
+
+// Inside is what the reference shows without a trace of the other side, a pixel from the border.
+template <typename Inside>
+std::vector<std::size_t> pixels_inside(const Image& image, const Inside& inside) {
+  std::vector<std::size_t> pixels;
+  for (std::uint32_t y = 1; y + 1 < image.height; ++y) {
+    for (std::uint32_t x = 1; x + 1 < image.width; ++x) {
+      bool all = true;
+      for (std::uint32_t k = 0; k < 9; ++k)
+        all = all && inside(&image.pixels[image.offset(x + k % 3 - 1, y + k / 3 - 1)]);
+      if (all) pixels.push_back(image.offset(x, y));
+    }
+  }
+  return pixels;
+}
+
+TEST_P(HardCases, MeshesAreClosed) {
+  CaseScene scene(test_device(), make_case(find_case("hard_shared_edges")));
+  const ReferenceImage reference = scene.reference(kReferenceSamples, reference_folder());
+  const CaseResult result = scene.run(technique());
+  const auto white = pixels_inside(reference.linear, [](const float* p) { return p[0] == 1; });
+  const auto black = pixels_inside(reference.linear, [](const float* p) { return p[0] == 0; });
+  EXPECT_GT(white.size(), 500u);
+  EXPECT_GT(black.size(), 500u);
+  for (const std::size_t at : white) ASSERT_NEAR(result.radiance.pixels[at], 1, 1e-6) << "pixel " << at / 3;
+  for (const std::size_t at : black) ASSERT_EQ(result.radiance.pixels[at], 0) << "pixel " << at / 3;
+}
+
+TEST_P(HardCases, JunctionsLeakSingleSamples) {
+  CaseScene scene(test_device(), make_case(find_case("hard_t_junctions")));
+  const ReferenceImage reference = scene.reference(kReferenceSamples, reference_folder());
+  const CaseResult result = scene.run(technique());
+  const auto wall = pixels_inside(reference.linear, [](const float* p) { return p[0] < 0.3f; });
+  EXPECT_GT(wall.size(), 800u);
+  std::size_t leaks = 0;
+  for (const std::size_t at : wall) {
+    const float value = result.radiance.pixels[at];
+    ASSERT_GE(value, 0.25f - 1e-6f) << "pixel " << at / 3;
+    // One sample of white sky.
+    ASSERT_LE(value, 0.25f + 0.75f / static_cast<float>(result.samples) + 1e-6f) << "pixel " << at / 3;
+    leaks += value > 0.25f + 1e-6f ? 1 : 0;
+  }
+  EXPECT_LE(leaks, 4u);
+}
+
+TEST_P(HardCases, BadTrianglesAreNotThere) {
+  capture::Capture capture = make_case(find_case("hard_bad_vertices"));
+  CaseScene with(test_device(), capture);
+  ASSERT_EQ(capture.frames[0].draws.at(1).name, "bad");
+  capture.frames[0].draws.pop_back();
+  CaseScene without(test_device(), capture);
+  EXPECT_EQ(with.run(technique()).radiance.pixels, without.run(technique()).radiance.pixels);
+}
+
+TEST_P(HardCases, TheFirstOfEqualDepthsStays) {
+  capture::Capture capture = make_case(find_case("hard_coplanar"));
+  CaseScene twice(test_device(), capture);
+  ASSERT_EQ(capture.frames[0].draws.at(1).name, "second");
+  capture.frames[0].draws.erase(capture.frames[0].draws.begin() + 1);
+  CaseScene once(test_device(), capture);
+  const Image a = twice.run(technique()).radiance, b = once.run(technique()).radiance;
+  // The right half, where the other two fight, has no duplicates.
+  for (std::uint32_t y = 0; y < a.height; ++y)
+    for (std::uint32_t x = 0; x < a.width / 2; ++x)
+      for (std::uint32_t c = 0; c < 3; ++c)
+        ASSERT_NEAR(a.pixels[a.offset(x, y) + c], b.pixels[a.offset(x, y) + c], 1e-4f) << x << ", " << y;
+}
+
+// What is a million units away shows as if it were near, but for the rounding of positions that lights are seen from.
+TEST_P(HardCases, FarFromTheOriginNothingMoves) {
+  capture::Capture capture = make_case(find_case("hard_far_origin"));
+  CaseScene far(test_device(), capture);
+  capture::Frame& frame = capture.frames[0];
+  const auto by = static_cast<float>(capture::kFarOrigin);
+  for (capture::Draw& draw : frame.draws) draw.transform[12] -= by;
+  for (capture::PointLight& light : frame.point_lights) light.position[0] -= by;
+  frame.view[12] += by;
+  CaseScene near(test_device(), capture);
+  const CaseResult a = far.run(technique()), b = near.run(technique());
+  EXPECT_EQ(a.executions, b.executions);
+  const double difference = mse(a.display, b.display);
+  RecordProperty("mse", std::to_string(difference));
+  EXPECT_LT(difference, 1e-3);
+}
+
+TEST_P(HardCases, BlackStaysBlackBesideALight) {
+  CaseScene scene(test_device(), make_case(find_case("hard_bright_light")));
+  const ReferenceImage reference = scene.reference(kReferenceSamples, reference_folder());
+  const CaseResult result = scene.run(technique());
+  // The wall sends some 10,000; what reflects nothing but at grazing angles sends less than a hundredth of that.
+  const auto black = pixels_inside(reference.linear, [](const float* p) { return p[0] < 100; });
+  EXPECT_GT(black.size(), 500u);
+  for (const std::size_t at : black) {
+    // Where it touches the wall, which lies in its plane, techniques that merge may take both for one surface.
+    if (at / 3 % reference.linear.width < 42) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float expected = reference.linear.pixels[at + c];
+      ASSERT_NEAR(result.radiance.pixels[at + c], expected, 0.05f * expected + 1e-3f) << "pixel " << at / 3;
+    }
+  }
+  EXPECT_GT(*std::max_element(result.radiance.pixels.begin(), result.radiance.pixels.end()), 1000.0f);
+}
+
+TEST_P(HardCases, EmittersShowTheirOwnRadiance) {
+  CaseScene scene(test_device(), make_case(find_case("hard_emissive_only")));
+  const ReferenceImage reference = scene.reference(kReferenceSamples, reference_folder());
+  const CaseResult result = scene.run(technique());
+  for (const auto& material : scene.capture.materials) {
+    const auto& radiance = material.emissive;
+    const auto lamp =
+        pixels_inside(reference.linear, [&](const float* p) { return std::abs(p[0] / radiance[0] - 1) < 1e-4f; });
+    EXPECT_GT(lamp.size(), 10u) << material.name;
+    // 9 bits of mantissa beside the brightest channel.
+    for (const std::size_t at : lamp)
+      for (std::size_t c = 0; c < 3; ++c)
+        ASSERT_NEAR(result.radiance.pixels[at + c], radiance[c], 0.003f * radiance[0]) << material.name;
+  }
+}
+
+TEST_P(HardCases, OppositeNormalsGiveHalfTheLight) {
+  if (single_sample()) GTEST_SKIP() << "one sample sees one strip";
+  CaseScene scene(test_device(), make_case(find_case("hard_opposite_normals")));
+  const ReferenceImage reference = scene.reference(kReferenceSamples, reference_folder());
+  const CaseResult result = scene.run(technique());
+  const auto sky = scene.capture.frames[0].sky;
+  const auto strips = pixels_inside(reference.linear, [&](const float* p) { return std::abs(p[2] / p[0] - 1) < 0.2f; });
+  ASSERT_GT(strips.size(), 300u);
+  double shown = 0, wanted = 0;
+  for (const std::size_t at : strips) {
+    shown += static_cast<double>(result.radiance.pixels[at]);
+    wanted += static_cast<double>(reference.linear.pixels[at]);
+  }
+  RecordProperty("ratio", std::to_string(shown / wanted));
+  EXPECT_NEAR(shown / wanted, 1, 0.25);
+  EXPECT_NE(sky[0], sky[2]);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, HardCases,
+                         testing::ValuesIn(std::vector<const Technique*>(techniques().begin(), techniques().end())),
+                         [](const auto& technique) { return std::string(technique.param->name); });
+
+}  // namespace
+}  // namespace subpixel::replay
