@@ -147,7 +147,7 @@ GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const S
   const PointLights lights = !options.point_lights        ? PointLights::captured
                              : *options.point_lights == 0 ? PointLights::none
                                                           : PointLights::some;
-  features_.bits = detect_features(capture, lights);
+  features_.bits = detect_features(capture, lights) | options.forced_features;
 
   constexpr std::uint32_t kAnyTexture =
       FEATURE_BASE_TEXTURE | FEATURE_ROUGHNESS_TEXTURE | FEATURE_NORMAL_MAP | FEATURE_EMISSIVE_TEXTURE;

@@ -32,7 +32,12 @@ struct DrawItem {
 struct SceneOptions {
   std::optional<std::uint32_t> point_lights;  // exactly this many; missing ones are placed inside the scene's bounds
   std::uint32_t shadow_map_size = 2048;
+  // FEATURE_ bits that shaders and layouts have whether or not the scene needs them; kAllFeatures: the general case
+  // that the specialised ones are compared with.
+  std::uint32_t forced_features = 0;
 };
+
+inline constexpr std::uint32_t kAllFeatures = 2 * FEATURE_VARYING_ROUGHNESS - 1;
 
 class GpuScene {
  public:

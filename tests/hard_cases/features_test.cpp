@@ -1,0 +1,116 @@
+// Only what a scene needs is modelled: a plain scene holds no texture coordinates, tangents, textures or shadow map,
+// its shaders read none of the data that only absent features use, and specialised shaders show what general ones show.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "tests/hard_cases/case_run.hpp"
+#include "tests/technique/scene_device_fixture.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+// Nothing but one opaque material and a sun without shadows.
+capture::Capture plain_scene() {
+  return capture::generate("cube", {.frames = 1, .width = 48, .height = 36});
+}
+
+constexpr std::uint64_t kEmptyBuffer = 16;  // gpu::Buffer's size for no bytes
+
+TEST(Features, APlainSceneAllocatesNothingItDoesNotNeed) {
+  CaseScene plain(test_device(), plain_scene());
+  EXPECT_EQ(plain.scene.features().bits, FEATURE_SUN);
+  EXPECT_EQ(plain.scene.uvs.bytes(), kEmptyBuffer);
+  EXPECT_EQ(plain.scene.tangents.bytes(), kEmptyBuffer);
+  EXPECT_EQ(plain.scene.shadow_map.description().width, 1u);
+  // The whole ledger: geometry, one material, and two images of a texel.
+  const std::uint64_t needed = plain.scene.positions.bytes() + plain.scene.normals.bytes() +
+                               plain.scene.indices.bytes() + plain.scene.instances.bytes() +
+                               plain.scene.materials.bytes() + plain.scene.frame_constants.bytes() +
+                               plain.scene.shadow_map.bytes() + 2 * kEmptyBuffer;
+  EXPECT_LE(plain.scene.bytes() - needed, 4096u) << "the white texel's image and nothing else";
+
+  CaseScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures});
+  EXPECT_EQ(general.scene.features().bits, kAllFeatures);
+  EXPECT_GT(general.scene.uvs.bytes(), kEmptyBuffer);
+  EXPECT_GT(general.scene.tangents.bytes(), kEmptyBuffer);
+  EXPECT_EQ(general.scene.shadow_map.description().width, 2048u);
+  EXPECT_GT(general.scene.bytes(), plain.scene.bytes() + 4 * 2048 * 2048);
+}
+
+TEST(Features, WithoutShadowsNoPassRunsBeforeTheTechniques) {
+  CaseScene plain(test_device(), plain_scene());
+  const double before = test_device().total_ms();
+  plain.scene.set_frame(0, plain.width, plain.height);
+  EXPECT_EQ(test_device().total_ms(), before);
+  capture::Capture shadowed = plain_scene();
+  shadowed.frames[0].sun->shadows = true;
+  CaseScene with(test_device(), shadowed);
+  const double between = test_device().total_ms();
+  with.scene.set_frame(0, with.width, with.height);
+  EXPECT_GT(test_device().total_ms(), between);
+}
+
+class FeaturesOf : public testing::TestWithParam<const Technique*> {};
+
+// Whatever only absent features read is made useless: a shader that still looked at it would show.
+TEST_P(FeaturesOf, APlainScenesShadersReadNothingElse) {
+  CaseScene scene(test_device(), plain_scene());
+  const CaseResult expected = scene.run(*GetParam());
+  constexpr float kBad = std::numeric_limits<float>::quiet_NaN();
+  for (gpu_types::MaterialRecord& material : scene.scene.materials.as<gpu_types::MaterialRecord>()) {
+    material.base_colour.w = kBad;
+    material.emissive_cutoff = glm::vec4(kBad);
+    material.metal_rough.x = kBad;
+    material.flags.x |= MATERIAL_BASE_TEXTURE | MATERIAL_ALPHA_TEST | MATERIAL_NORMAL_MAP | MATERIAL_ROUGHNESS_TEXTURE |
+                        MATERIAL_EMISSIVE_TEXTURE | MATERIAL_ALPHA_BLEND;
+  }
+  auto& frame = scene.scene.frame_constants.as<gpu_types::FrameConstants>()[0];
+  frame.shadow_matrix = glm::mat4(kBad);
+  for (auto& cascade : frame.shadow_cascades) cascade = glm::vec4(kBad);
+  for (auto& light : frame.point_lights) light = {glm::vec4(kBad), glm::vec4(kBad)};
+  frame.counts.x = SUBPIXEL_MAX_POINT_LIGHTS;
+  const CaseResult result = scene.run(*GetParam());
+  EXPECT_EQ(result.radiance.pixels, expected.radiance.pixels);
+  EXPECT_EQ(result.executions, expected.executions);
+}
+
+TEST_P(FeaturesOf, FittedLayoutsHoldOnlyWhatTheSceneNeeds) {
+  CaseScene plain(test_device(), plain_scene());
+  CaseScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures});
+  const CaseResult fitted = plain.run(*GetParam()), full = general.run(*GetParam());
+  EXPECT_EQ(fitted.paper_bytes_per_pixel, full.paper_bytes_per_pixel) << "a publication's format is what it is";
+  EXPECT_LE(fitted.fitted_bytes_per_pixel, full.fitted_bytes_per_pixel);
+  // `forward` keeps colours, which every scene needs.
+  if (GetParam()->name != "forward") {
+    EXPECT_LT(fitted.fitted_bytes_per_pixel, full.fitted_bytes_per_pixel);
+  }
+  EXPECT_LE(fitted.allocated_bytes, full.allocated_bytes);
+  EXPECT_EQ(fitted.pass_names, full.pass_names);
+}
+
+TEST_P(FeaturesOf, GeneralShadersShowTheSame) {
+  for (const std::string_view name : {"cube", "quads", "spheres", "hard_alpha_foliage", "hard_shadow_albedo"}) {
+    const capture::Capture capture = capture::generate(name, {.frames = 1, .width = 48, .height = 36});
+    CaseScene specialised(test_device(), capture);
+    CaseScene general(test_device(), capture, {.forced_features = kAllFeatures});
+    ASSERT_NE(specialised.scene.features().bits, kAllFeatures) << name;
+    const CaseResult a = specialised.run(*GetParam()), b = general.run(*GetParam());
+    EXPECT_EQ(a.executions, b.executions) << name;
+    // Compilers round sums of other terms differently: a hundredth of an 8-bit step. A filter that compares neighbours
+    // may then decide otherwise in a pixel.
+    std::size_t other = 0;
+    for (std::size_t i = 0; i < a.display.pixels.size(); ++i)
+      other += std::abs(a.display.pixels[i] - b.display.pixels[i]) < 4e-5f ? 0 : 1;
+    EXPECT_LE(other, GetParam()->name == "fxaa" ? 6u : 0u) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FeaturesOf,
+                         testing::ValuesIn(std::vector<const Technique*>(techniques().begin(), techniques().end())),
+                         [](const auto& technique) { return std::string(technique.param->name); });
+
+}  // namespace
+}  // namespace subpixel::replay
