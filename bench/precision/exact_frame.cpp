@@ -29,7 +29,7 @@ double cross2(const glm::dvec2& a, const glm::dvec2& b) {
 }  // namespace
 
 glm::dvec2 ExactFrame::sample_offset(std::uint32_t sample) {
-  const auto offset = replay::gpu_types::sample_offset(kSamples, sample);
+  const auto offset = gpu_types::sample_offset(kSamples, sample);
   return glm::dvec2(offset.x, offset.y) / 128.0;
 }
 

@@ -1,6 +1,6 @@
 // What each stored quantity costs: frames in float64, once exactly and once with one quantity rounded as a published
 // format stores it, compared pixel by pixel. Prints the Markdown tables of docs/numerics.md.
-//   subpixel_precision [scene[=WIDTHxHEIGHT] ...]
+//   subpixel_precision [scene ...]
 #include <fmt/format.h>
 
 #include <bit>
@@ -177,23 +177,60 @@ void print_fixed_point() {
   }
 }
 
-void study(const std::string& name, std::uint32_t width, std::uint32_t height) {
-  capture::GenerateOptions options{.frames = 1, .width = width, .height = height};
-  const capture::Capture capture = capture::generate(name, options);
+struct Loss {
+  double flip = 0, worst = 0, wrong = 0;
+};
+
+std::vector<Loss> study(const std::string& name, std::uint32_t width, std::uint32_t height) {
+  const capture::Capture capture = capture::generate(name, {.frames = 1, .width = width, .height = height});
   const ExactFrame frame(capture, width, height);
   const Rendered exact = render(frame, {});
+  std::vector<Loss> losses;
   for (const Format& format : formats()) {
     const Rendered rounded = render(frame, format);
-    double worst = 0;
+    Loss loss;
     for (std::size_t i = 0; i < exact.display.pixels.size(); ++i)
-      worst = std::max(worst, std::abs(static_cast<double>(exact.display.pixels[i] - rounded.display.pixels[i])));
-    const replay::FlipResult flip = replay::flip(exact.display, rounded.display);
-    const double wrong =
-        rounded.samples == 0 ? 0 : static_cast<double>(rounded.wrong_samples) / static_cast<double>(rounded.samples);
-    fmt::print("| {} | {} | {} | {:.1e} | {:.1e} | {:.1e}{} | {} |\n", name, format.quantity, format.name,
-               replay::mse(exact.display, rounded.display), worst, flip.mean, flip.mean > 1e-3 ? " **loses**" : "",
-               format.plane ? fmt::format("{:.3f}%", 100 * wrong) : "");
-    std::fflush(stdout);
+      loss.worst =
+          std::max(loss.worst, std::abs(static_cast<double>(exact.display.pixels[i] - rounded.display.pixels[i])));
+    loss.flip = replay::flip(exact.display, rounded.display).mean;
+    if (rounded.samples > 0)
+      loss.wrong = static_cast<double>(rounded.wrong_samples) / static_cast<double>(rounded.samples);
+    losses.push_back(loss);
+  }
+  return losses;
+}
+
+void print_head(const char* first, const std::vector<std::string>& scenes, int columns) {
+  fmt::print("{}", first);
+  for (const std::string& scene : scenes) fmt::print(" {} |", scene);
+  fmt::print("\n|");
+  for (std::size_t s = 0; s < scenes.size() + static_cast<std::size_t>(columns); ++s) fmt::print(" --- |");
+  fmt::print("\n");
+}
+
+void print_table(const std::vector<std::string>& scenes) {
+  std::vector<std::vector<Loss>> losses;
+  for (const std::string& scene : scenes) losses.push_back(study(scene, 160, 90));
+  print_head("| quantity | stored as | largest difference |", scenes, 3);
+  const std::vector<Format> all = formats();
+  for (std::size_t f = 0; f < all.size(); ++f) {
+    double worst = 0;
+    for (const auto& scene : losses) worst = std::max(worst, scene[f].worst);
+    fmt::print("| {} | {} | {:.1e} |", all[f].quantity, all[f].name, worst);
+    for (const auto& scene : losses) {
+      const double flip = scene[f].flip * 1e3;
+      const std::string text = fmt::format("{:.2f}", flip);
+      fmt::print(" {} |", flip > 1 ? "**" + text + "**" : text);
+    }
+    fmt::print("\n");
+  }
+  fmt::print("\nSamples that show another surface than without the rounding:\n\n");
+  print_head("| planes kept as |", scenes, 1);
+  for (std::size_t f = 0; f < all.size(); ++f) {
+    if (!all[f].plane) continue;
+    fmt::print("| {} |", all[f].name);
+    for (const auto& scene : losses) fmt::print(" {:.3f}% |", 100 * scene[f].wrong);
+    fmt::print("\n");
   }
 }
 
@@ -216,10 +253,7 @@ int main(int argc, char** argv) {
               "hard_small_angle",
               "hard_bright_light",
               "hard_emissive_only"};
-  fmt::print(
-      "| scene | quantity | stored as | MSE | largest difference | FLIP | samples that show another surface |\n");
-  fmt::print("| --- | --- | --- | --- | --- | --- | --- |\n");
-  for (const std::string& scene : scenes) study(scene, 160, 90);
+  print_table(scenes);
   print_fixed_point();
   return 0;
 }
