@@ -15,6 +15,7 @@
 #include "capture_format/generate/generate.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/metrics.hpp"
+#include "tests/hard_cases/case_run.hpp"
 
 namespace subpixel::precision {
 namespace {
@@ -29,6 +30,7 @@ struct Format {
   std::function<double(const ExactFrame&, const ExactFragment&, const glm::dvec2& window, std::uint32_t sample)> plane;
   std::function<double(double)> sample_value;  // a channel of one sample's radiance
   std::function<double(double sum, double value)> add;
+  std::function<double(double)> shown;  // a channel of the display image
 };
 
 struct Rendered {
@@ -74,7 +76,9 @@ Rendered render(const ExactFrame& frame, const Format& format) {
           sum[c] = format.add ? format.add(sum[c], stored) : sum[c] + stored;
         }
       }
-      const glm::dvec3 mean = sum / static_cast<double>(kSamples), shown = frame.display(mean);
+      const glm::dvec3 mean = sum / static_cast<double>(kSamples);
+      glm::dvec3 shown = frame.display(mean);
+      for (int c = 0; c < 3 && format.shown; ++c) shown[c] = format.shown(shown[c]);
       for (int c = 0; c < 3; ++c) {
         out.radiance.pixels[out.radiance.offset(x, y) + static_cast<std::size_t>(c)] = static_cast<float>(mean[c]);
         out.display.pixels[out.display.offset(x, y) + static_cast<std::size_t>(c)] = static_cast<float>(shown[c]);
@@ -156,6 +160,8 @@ std::vector<Format> formats() {
                    return to_float(a + to_float(b));
                  }});
   all.push_back({.quantity = "resolve sum", .name = "half", .add = [](double a, double b) { return to_half(a + b); }});
+  all.push_back(
+      {.quantity = "display image", .name = "8 bits, for scale", .shown = [](double v) { return to_unorm(v, 8); }});
   return all;
 }
 
@@ -166,8 +172,8 @@ void print_fixed_point() {
   for (const int bits : {8, 10, 16}) {
     for (const int n : {4, 8, 16, 32}) {
       double worst = 0;
-      for (int i = 0; i <= 4096; ++i) {
-        const double value = i / 4096.0;
+      for (int i = 0; i <= 9973; ++i) {
+        const double value = i / 9973.0;
         double sum = 0;
         for (int k = 0; k < n; ++k) sum += to_unorm(value / n, bits);
         worst = std::max(worst, std::abs(sum - value));
@@ -234,6 +240,35 @@ void print_table(const std::vector<std::string>& scenes) {
   }
 }
 
+// The device's image against the exact one. `forward` shades as ExactFrame does: each fragment once, at the pixel's
+// centre or in the middle of its samples.
+void print_device() {
+  fmt::print("\n`forward` on the device against float64:\n\n");
+  fmt::print("| scene | MSE | FLIP, 1e-3 | pixels off by more than an 8-bit step | largest elsewhere |\n");
+  fmt::print("| --- | --- | --- | --- | --- |\n");
+  gpu::Device device;
+  for (const char* name : {"cube", "spheres", "hard_interpenetrating", "hard_small_angle", "hard_roughness",
+                           "hard_grazing", "hard_far_origin", "hard_bright_light", "hard_emissive_only"}) {
+    replay::CaseScene scene(device, capture::generate(name, {.frames = 1, .width = 160, .height = 90}));
+    const Image shown = scene.run(replay::find_technique("forward")).display;
+    const Image exact = render(ExactFrame(scene.capture, scene.width, scene.height), {}).display;
+    std::size_t off = 0;
+    double elsewhere = 0;
+    for (std::size_t i = 0; i < exact.pixels.size(); i += 3) {
+      double worst = 0;
+      for (std::size_t c = 0; c < 3; ++c)
+        worst = std::max(worst, std::abs(static_cast<double>(shown.pixels[i + c] - exact.pixels[i + c])));
+      if (worst > 1.0 / 255)
+        ++off;
+      else
+        elsewhere = std::max(elsewhere, worst);
+    }
+    fmt::print("| {} | {:.1e} | {:.2f} | {:.2f}% | {:.1e} |\n", name, replay::mse(exact, shown),
+               1e3 * replay::flip(exact, shown).mean,
+               300.0 * static_cast<double>(off) / static_cast<double>(exact.pixels.size()), elsewhere);
+  }
+}
+
 }  // namespace
 }  // namespace subpixel::precision
 
@@ -255,5 +290,6 @@ int main(int argc, char** argv) {
               "hard_emissive_only"};
   print_table(scenes);
   print_fixed_point();
+  print_device();
   return 0;
 }
