@@ -269,6 +269,40 @@ void print_device() {
   }
 }
 
+// Techniques that can keep a quantity in two ways: their two images compared, and the error of each.
+void print_variants() {
+  struct Variant {
+    std::string_view technique, parameter, published, other;
+  };
+  constexpr Variant kVariants[] = {{"agaa", "storage", "fixed", "float"}, {"streaming", "depth_space", "view", "clip"}};
+  fmt::print("\nThe same technique with a quantity kept in two ways:\n\n");
+  fmt::print("| technique | scene | FLIP between, 1e-3 | FLIP to the reference, 1e-3 | |\n");
+  fmt::print("| --- | --- | --- | --- | --- |\n");
+  gpu::Device device;
+  const auto folder = std::filesystem::temp_directory_path() / "subpixel_numerics_references";
+  for (const char* name : {"grass", "city", "spheres", "hard_railings", "hard_overflow", "hard_depth_range"}) {
+    const capture::SceneInfo info = capture::find_scene(name);
+    const bool small = info.group == capture::SceneGroup::hard;
+    replay::CaseScene scene(
+        device,
+        capture::generate(name, {.frames = 1, .width = small ? info.width : 160, .height = small ? info.height : 90}));
+    const Image reference = scene.reference(64, folder).display;
+    for (const Variant& v : kVariants) {
+      for (const replay::Technique* technique : replay::techniques()) {
+        if (technique->name != v.technique) continue;
+        const auto with = [&](std::string_view value) {
+          return scene.run(*technique, {{std::string(v.parameter), std::string(value)}}).display;
+        };
+        const Image published = with(v.published), other = with(v.other);
+        const double between = 1e3 * replay::flip(published, other).mean;
+        fmt::print("| `{}` {}={} / {} | {} | {}{:.2f}{} | {:.1f} | {:.1f} |\n", v.technique, v.parameter, v.published,
+                   v.other, name, between > 1 ? "**" : "", between, between > 1 ? "**" : "",
+                   1e3 * replay::flip(reference, published).mean, 1e3 * replay::flip(reference, other).mean);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace subpixel::precision
 
@@ -291,5 +325,6 @@ int main(int argc, char** argv) {
   print_table(scenes);
   print_fixed_point();
   print_device();
+  print_variants();
   return 0;
 }
