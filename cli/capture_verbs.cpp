@@ -58,7 +58,7 @@ struct GenerateArguments {
 
 void list_scenes() {
   constexpr std::array kTitles{"Scenes, 1280x720, 10 frames:", "Small scenes:",
-                               "Hard cases, 48x36 to 64x48, 2 frames; with what every technique has to show:"};
+                               "Hard cases, 32x24 to 64x48, 2 frames; with what every technique has to show:"};
   std::optional<capture::SceneGroup> group;
   for (const capture::SceneInfo& scene : capture::list_scenes()) {
     if (group != scene.group) fmt::print("{}{}\n", group ? "\n" : "", kTitles[static_cast<std::size_t>(scene.group)]);

@@ -11,7 +11,7 @@ constexpr std::array kCases{
     HardCase{"hard_slivers", "triangles a million times as long as wide, in every direction",
              "lines of a tenth of a pixel at most; what is narrower than a snapping step covers nothing", hard_slivers},
     HardCase{"hard_subpixel", "60 triangles in each pixel, at all depths, in six materials",
-             "the reference within the sampling error; list techniques overflow and count it", hard_subpixel, 48, 36},
+             "the reference within the sampling error; list techniques overflow and count it", hard_subpixel, 32, 24},
     HardCase{"hard_shared_edges", "a fan around one point and a closed mesh, both white, before black",
              "inside exactly 1, outside exactly 0: each sample is covered once", hard_shared_edges},
     HardCase{"hard_t_junctions", "corners in the middle of neighbours' edges, a white sky behind a grey wall",
