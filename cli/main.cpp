@@ -9,6 +9,7 @@
 #include "capture_format/error.hpp"
 #include "cli/capture_verbs.hpp"
 #include "cli/measure_verbs.hpp"
+#include "cli/nightly_verbs.hpp"
 #include "cli/replay_verbs.hpp"
 #include "cli/service_verbs.hpp"
 
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
   subpixel::cli::add_replay_verbs(app, action);
   subpixel::cli::add_measure_verbs(app, action);
   subpixel::cli::add_service_verbs(app, action);
+  subpixel::cli::add_nightly_verbs(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -14,18 +14,27 @@ namespace subpixel::server {
 
 namespace fs = std::filesystem;
 
-DataFolder::DataFolder(const fs::path& root) {
+DataFolder::DataFolder(const fs::path& root, Claim claim) {
   try {
+    if (claim == Claim::reader) {
+      if (!fs::is_regular_file(root / "subpixel.sqlite")) {
+        throw InputError("can't use the data folder", "there is no store in it", root.string());
+      }
+      root_ = fs::canonical(root);
+      return;
+    }
     fs::create_directories(root);
     root_ = fs::canonical(root);
-    lock_ = ::open((root_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (lock_ < 0) throw InputError("can't use the data folder", std::strerror(errno), (root_ / "lock").string());
-    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-      throw InputError("can't use the data folder", "another service holds it", root_.string());
+    if (claim == Claim::service) {
+      take_lock("lock", "another service");
+      fs::remove_all(uploads());
+      fs::remove_all(root_ / "jobs");
+      for (const fs::path& folder : {captures(), uploads(), root_ / "jobs", cache()}) fs::create_directories(folder);
+    } else {
+      take_lock("night.lock", "another night");
+      fs::remove_all(night());
+      for (const fs::path& folder : {captures(), night(), cache()}) fs::create_directories(folder);
     }
-    fs::remove_all(uploads());
-    fs::remove_all(root_ / "jobs");
-    for (const fs::path& folder : {captures(), uploads(), root_ / "jobs", cache()}) fs::create_directories(folder);
   } catch (const fs::filesystem_error& error) {
     if (lock_ >= 0) ::close(lock_);
     throw InputError("can't use the data folder", error.code().message(), root.string());
@@ -35,8 +44,16 @@ DataFolder::DataFolder(const fs::path& root) {
   }
 }
 
+void DataFolder::take_lock(const std::string& name, const std::string& holder) {
+  lock_ = ::open((root_ / name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock_ < 0) throw InputError("can't use the data folder", std::strerror(errno), (root_ / name).string());
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    throw InputError("can't use the data folder", holder + " holds it", root_.string());
+  }
+}
+
 DataFolder::~DataFolder() {
-  ::close(lock_);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 fs::path DataFolder::capture(std::string_view hash) const {

@@ -1,4 +1,4 @@
-// Opening, versions, captures and blobs. Runs and their results are in store_runs.cpp.
+// Opening, versions, captures and blobs. Runs are in store_runs.cpp, nights in store_nights.cpp.
 #include "server/store.hpp"
 
 #include <fmt/chrono.h>
@@ -14,7 +14,8 @@ namespace subpixel::server {
 namespace {
 
 constexpr std::string_view kCaptureColumns =
-    "SELECT hash, name, size_bytes, uploaded_utc, title, frame_count, width, height, triangles, summary, thumbnail "
+    "SELECT hash, name, size_bytes, uploaded_utc, title, frame_count, width, height, triangles, summary, thumbnail, "
+    "(SELECT json_group_array(tag) FROM (SELECT tag FROM capture_tags WHERE capture = captures.hash ORDER BY tag)) "
     "FROM captures ";
 
 CaptureRecord read_capture(Statement& row) {
@@ -30,17 +31,18 @@ CaptureRecord read_capture(Statement& row) {
   capture.triangles = static_cast<std::uint64_t>(row.integer());
   capture.summary = nlohmann::json::parse(row.text());
   capture.thumbnail = row.optional_text();
+  capture.tags = nlohmann::json::parse(row.text()).get<std::vector<std::string>>();
   return capture;
 }
 
-// Blobs have no owner: whatever no image and no thumbnail names is gone.
+}  // namespace
+
 void delete_unnamed_blobs(const Connection& connection) {
   connection.execute(
       "DELETE FROM blobs WHERE NOT EXISTS (SELECT 1 FROM images WHERE blob = blobs.hash) "
+      "AND NOT EXISTS (SELECT 1 FROM night_images WHERE blob = blobs.hash) "
       "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash)");
 }
-
-}  // namespace
 
 std::string utc_now() {
   const auto now = std::chrono::time_point_cast<std::chrono::milliseconds>(std::chrono::system_clock::now());
@@ -118,6 +120,36 @@ std::optional<CaptureRecord> Store::capture(std::string_view hash) const {
   select.bind(hash);
   if (!select.step()) return std::nullopt;
   return read_capture(select);
+}
+
+std::vector<CaptureRecord> Store::captures_with_tag(std::string_view tag) const {
+  const ReadLease reader = read();
+  Statement select(reader.connection(),
+                   std::string(kCaptureColumns) +
+                       "WHERE hash IN (SELECT capture FROM capture_tags WHERE tag = ?) ORDER BY name, hash");
+  select.bind(tag);
+  std::vector<CaptureRecord> captures;
+  while (select.step()) captures.push_back(read_capture(select));
+  return captures;
+}
+
+bool Store::set_tags(std::string_view capture, const std::vector<std::string>& tags) {
+  const std::lock_guard lock(write_mutex_);
+  Transaction transaction(writer_);
+  {
+    Statement known(writer_, "SELECT 1 FROM captures WHERE hash = ?");
+    known.bind(capture);
+    if (!known.step()) return false;
+  }
+  Statement(writer_, "DELETE FROM capture_tags WHERE capture = ?").bind(capture).run();
+  for (const std::string& tag : tags) {
+    Statement(writer_, "INSERT INTO capture_tags (capture, tag) VALUES (?, ?) ON CONFLICT DO NOTHING")
+        .bind(capture)
+        .bind(tag)
+        .run();
+  }
+  transaction.commit();
+  return true;
 }
 
 std::vector<CaptureRecord> Store::captures(std::uint32_t limit, std::uint64_t offset) const {

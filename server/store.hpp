@@ -15,6 +15,7 @@
 
 #include "replay/results.hpp"
 #include "replay/worker_protocol.hpp"
+#include "server/nightly/night.hpp"
 #include "server/sqlite.hpp"
 
 namespace subpixel::server {
@@ -30,6 +31,7 @@ struct CaptureRecord {
   std::uint64_t triangles = 0;           // of the frame that has most
   nlohmann::json summary;                // of `subpixel info --json`
   std::optional<std::string> thumbnail;  // blob hash
+  std::vector<std::string> tags;         // in their order
 };
 
 enum class RunKind { run, thumbnail };
@@ -63,6 +65,12 @@ struct StoredResult {
 struct Blob {
   std::string media_type;
   std::string bytes;
+};
+
+struct BaselineRecord {
+  std::string name;
+  std::int64_t night = 0;
+  std::string set_utc;
 };
 
 struct StoreCounts {
@@ -117,6 +125,37 @@ class Store {
   // All results by frame, then in the request's order.
   std::vector<StoredResult> results(std::int64_t run) const;
 
+  // Replaces the tags of a capture; false when there is no such capture.
+  bool set_tags(std::string_view capture, const std::vector<std::string>& tags);
+  // By name, then by hash.
+  std::vector<CaptureRecord> captures_with_tag(std::string_view tag) const;
+
+  // Nights: store_nights.cpp.
+  // Begins a night and returns its number. `night` gives name, build, configuration and baseline.
+  std::int64_t add_night(const NightRecord& night);
+  void add_night_capture(std::int64_t night, std::uint32_t ordinal, const NightCapture& capture);
+  // Stores the cell without frames and returns its number.
+  std::int64_t add_night_cell(std::int64_t night, const NightCell& cell);
+  // Stores one measured frame with its images; the returned one names them by hash.
+  NightFrame add_night_frame(std::int64_t cell, const replay::FrameResult& result,
+                             const std::map<std::string, Blob>& images);
+  // Adds the image of the difference to the baseline and returns its hash.
+  std::string add_night_difference(std::int64_t frame, const Blob& image);
+  // Status, gates and time of a cell that is stored.
+  void update_night_cell(const NightCell& cell);
+  void finish_night(std::int64_t id, NightStatus status, std::string_view reason);
+  // Nights that a process left running.
+  void interrupt_nights();
+  // Deletes all but the newest `keep` nights of a name, baselines, and what kept nights were compared with.
+  void drop_old_nights(std::string_view name, std::uint32_t keep);
+  // With captures and cells; frames only when asked for.
+  std::optional<NightRecord> night(std::int64_t id, bool with_frames) const;
+  // Newest first, without captures and frames but with the cells' status; ids below `before` (0: from the newest).
+  std::vector<NightRecord> nights(std::uint32_t limit, std::int64_t before, std::string_view name) const;
+  // Names a finished night; false when there is none of that number.
+  bool set_baseline(std::string_view name, std::int64_t night);
+  std::vector<BaselineRecord> baselines() const;
+
   std::optional<Blob> blob(std::string_view hash) const;
   StoreCounts counts() const;
 
@@ -136,6 +175,11 @@ class Store {
 // transaction with its version number. Throws InputError when the store is newer than the steps.
 void migrate(const Connection& connection, const std::vector<std::string_view>& steps,
              const std::filesystem::path& file);
+
+// Stores the bytes once and returns their hash. Throws InputError for other bytes with the hash of stored ones.
+std::string store_blob(const Connection& connection, const Blob& blob);
+// Blobs have no owner: deletes those that nothing names.
+void delete_unnamed_blobs(const Connection& connection);
 
 // Now, as "2025-01-31T12:00:00.123Z".
 std::string utc_now();

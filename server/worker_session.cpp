@@ -1,58 +1,20 @@
 #include "server/worker_session.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 
 #include "capture_format/error.hpp"
 #include "replay/measure/json_fields.hpp"
 #include "server/text.hpp"
+#include "server/worker_files.hpp"
 
 namespace subpixel::server {
 namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMaxImages = 64;
-constexpr off_t kMaxImageBytes = off_t{1} << 29;  // SQLite holds blobs up to 1e9 bytes
 constexpr std::size_t kMaxProgressText = 200;
-
-std::string media_type_of(std::string_view file_name) {
-  if (file_name.ends_with(".png")) return "image/png";
-  if (file_name.ends_with(".exr")) return "image/x-exr";
-  if (file_name.ends_with(".json")) return "application/json";
-  return "application/octet-stream";
-}
-
-// The bytes of a plain file named by the worker, which must not lead out of its folder.
-std::string read_worker_file(const std::filesystem::path& folder, const std::string& name) {
-  if (name.empty() || name.find('/') != std::string::npos || name.front() == '.' ||
-      name.find('\0') != std::string::npos) {
-    throw InputError("worker result", "an image's name is not a plain file name", printable(name, 80));
-  }
-  const std::filesystem::path path = folder / name;
-  const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
-  if (file < 0) throw InputError("worker result", "an image it names can't be opened", printable(name, 80));
-  struct Close {
-    int fd;
-    ~Close() { ::close(fd); }
-  } const close_at_end{file};
-  struct stat status {};
-  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size > kMaxImageBytes) {
-    throw InputError("worker result", "an image is no file or too large", printable(name, 80));
-  }
-  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
-  std::size_t filled = 0;
-  while (filled < bytes.size()) {
-    const ssize_t got = ::read(file, bytes.data() + filled, bytes.size() - filled);
-    if (got <= 0) throw InputError("worker result", "an image can't be read", printable(name, 80));
-    filled += static_cast<std::size_t>(got);
-  }
-  return bytes;
-}
 
 }  // namespace
 
@@ -106,7 +68,7 @@ void WorkerSession::take_progress(const json& document) {
 void WorkerSession::take_result(const json& document) {
   const replay::FrameResult result = replay::frame_result_from_json(document);
   const std::uint32_t ordinal = technique_ordinal(result);
-  const std::map<std::string, Blob> images = load_images(result);
+  const std::map<std::string, Blob> images = read_worker_images(out_dir_, result);
   store_.add_result(run_.id, ordinal, result, images);
   taken_.emplace(result.frame, ordinal);
   for (const auto& [role, file] : result.images) {
@@ -139,17 +101,6 @@ std::uint32_t WorkerSession::technique_ordinal(const replay::FrameResult& result
   }
   throw InputError("worker result", "it is not of this run, or came twice",
                    fmt::format("frame {} {}", result.frame, printable(result.technique, 60)));
-}
-
-std::map<std::string, Blob> WorkerSession::load_images(const replay::FrameResult& result) const {
-  if (result.images.size() > kMaxImages) {
-    throw InputError("worker result", "it names too many images", std::to_string(result.images.size()));
-  }
-  std::map<std::string, Blob> images;
-  for (const auto& [role, file] : result.images) {
-    images[role] = Blob{media_type_of(file), read_worker_file(out_dir_, file)};
-  }
-  return images;
 }
 
 }  // namespace subpixel::server

@@ -33,7 +33,6 @@ class WorkerSession {
   void take_result(const nlohmann::json& json);
   void take_progress(const nlohmann::json& document);
   std::uint32_t technique_ordinal(const replay::FrameResult& result) const;
-  std::map<std::string, Blob> load_images(const replay::FrameResult& result) const;
 
   Store& store_;
   RunEvents& events_;

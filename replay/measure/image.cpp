@@ -43,6 +43,25 @@ OIIO::ImageSpec spec_for(const Image& image, const OIIO::TypeDesc& type) {
   return spec;
 }
 
+// First four channels at most. `name` stands in messages.
+Image read_pixels(const std::unique_ptr<OIIO::ImageInput>& input, const std::string& name) {
+  const auto fail = [&](const std::string& why) { throw InputError("image", why, name); };
+  if (!input) fail(OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  const auto in_bounds = [](int side) { return side > 0 && side <= static_cast<int>(max_image_side); };
+  if (!in_bounds(spec.width) || !in_bounds(spec.height) || spec.nchannels < 1) {
+    fail("size " + std::to_string(spec.width) + "x" + std::to_string(spec.height) + " is outside 1 to " +
+         std::to_string(max_image_side));
+  }
+  // Two channels are grey with alpha; the grey alone is the picture.
+  const int channels = spec.nchannels == 2 ? 1 : std::min(spec.nchannels, 4);
+  Image image(static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height),
+              static_cast<std::uint32_t>(channels),
+              spec.format.is_floating_point() ? Encoding::linear : Encoding::display);
+  if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, image.pixels.data())) fail(input->geterror());
+  return image;
+}
+
 }  // namespace
 
 float srgb_encode(float linear) {
@@ -68,24 +87,16 @@ Image to_display(const Image& image) {
 }
 
 Image read_image(const std::filesystem::path& path) {
-  const auto fail = [&](const std::string& why) { throw InputError("image", why, path.string()); };
   OIIO::ImageSpec wanted;
   wanted.attribute("oiio:UnassociatedAlpha", 1);
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &wanted);
-  if (!input) fail(OIIO::geterror());
-  const OIIO::ImageSpec& spec = input->spec();
-  const auto in_bounds = [](int side) { return side > 0 && side <= static_cast<int>(max_image_side); };
-  if (!in_bounds(spec.width) || !in_bounds(spec.height) || spec.nchannels < 1) {
-    fail("size " + std::to_string(spec.width) + "x" + std::to_string(spec.height) + " is outside 1 to " +
-         std::to_string(max_image_side));
-  }
-  // Two channels are grey with alpha; the grey alone is the picture.
-  const int channels = spec.nchannels == 2 ? 1 : std::min(spec.nchannels, 4);
-  Image image(static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height),
-              static_cast<std::uint32_t>(channels),
-              spec.format.is_floating_point() ? Encoding::linear : Encoding::display);
-  if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, image.pixels.data())) fail(input->geterror());
-  return image;
+  return read_pixels(OIIO::ImageInput::open(path.string(), &wanted), path.string());
+}
+
+Image decode_png(std::string_view bytes) {
+  OIIO::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());  // is only read from
+  OIIO::ImageSpec wanted;
+  wanted.attribute("oiio:UnassociatedAlpha", 1);
+  return read_pixels(OIIO::ImageInput::open("memory.png", &wanted, &memory), "PNG in memory");
 }
 
 std::vector<std::uint8_t> encode_png(const Image& image) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace subpixel::replay {
@@ -46,6 +47,9 @@ inline constexpr std::uint32_t max_image_side = 32768;
 // Any format OpenImageIO reads, first four channels at most. Integer formats give display values, float formats linear
 // ones. Throws InputError naming the file.
 Image read_image(const std::filesystem::path& path);
+
+// A PNG in memory, as encode_png() makes them. Throws InputError.
+Image decode_png(std::string_view bytes);
 
 // 8 bits a channel, rounded to nearest; NaN writes 0. 1, 3 or 4 channels. The same image gives the same bytes.
 std::vector<std::uint8_t> encode_png(const Image& image);

@@ -1,0 +1,160 @@
+#include "cli/nightly_verbs.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "capture_format/error.hpp"
+#include "replay/measure/atomic_file.hpp"
+#include "server/data_folder.hpp"
+#include "server/nightly/config.hpp"
+#include "server/nightly/run_night.hpp"
+#include "server/nightly/summaries.hpp"
+#include "server/store.hpp"
+
+namespace subpixel::cli {
+namespace {
+
+using server::DataFolder;
+using server::NightRecord;
+
+constexpr const char* kDefaultData = "subpixel-data";
+
+struct NightlyArguments {
+  std::string config, data, baseline, junit, markdown, json_file, worker;
+  std::uint32_t silence_s = 600;
+};
+
+void write_text(const std::string& path, const std::string& text) {
+  if (path == "-") {
+    std::cout << text;
+  } else if (!path.empty()) {
+    replay::write_file_atomically(path, std::string_view(text));
+  }
+}
+
+int nightly(const NightlyArguments& arguments) {
+  server::NightlyConfig config = server::read_nightly_config(arguments.config);
+  if (!arguments.baseline.empty()) config.baseline = arguments.baseline;
+  const std::filesystem::path data =
+      arguments.data.empty() ? config.data.value_or(kDefaultData) : std::filesystem::path(arguments.data);
+  const DataFolder folder(data, DataFolder::Claim::night);
+  server::Store store(folder.store());
+  server::NightOptions options;
+  options.worker = arguments.worker.empty() ? std::filesystem::read_symlink("/proc/self/exe")
+                                            : std::filesystem::absolute(arguments.worker);
+  options.limits.silence = std::chrono::seconds(arguments.silence_s);
+  options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  const NightRecord night = server::run_night(config, folder, store, options);
+
+  write_text(arguments.junit, to_junit(night));
+  write_text(arguments.markdown, to_markdown(night));
+  write_text(arguments.json_file, to_json(night).dump(1) + "\n");
+  // One document on standard output: the one asked for with "-", else the summary for people.
+  const bool taken = arguments.junit == "-" || arguments.markdown == "-" || arguments.json_file == "-";
+  if (!taken) std::cout << to_markdown(night);
+  fmt::print(stderr, "{}\n", headline(night));
+  return night.status == server::NightStatus::passed ? 0 : 1;
+}
+
+struct BaselineArguments {
+  std::string data = kDefaultData, name;
+  std::optional<std::int64_t> night;
+  bool as_json = false;
+};
+
+int baseline_set(const BaselineArguments& arguments) {
+  const DataFolder folder(arguments.data, DataFolder::Claim::reader);
+  server::Store store(folder.store());
+  std::optional<std::int64_t> id = arguments.night;
+  if (!id) {
+    for (const NightRecord& night : store.nights(100, 0, "")) {
+      if (night.finished_utc.empty() || night.status == server::NightStatus::interrupted) continue;
+      id = night.id;
+      break;
+    }
+  }
+  if (!id) throw InputError("baseline", "there is no finished night", folder.store().string());
+  if (!store.set_baseline(arguments.name, *id)) {
+    throw InputError("baseline", "there is no finished night of this number", std::to_string(*id));
+  }
+  fmt::print("{} is night {}\n", arguments.name, *id);
+  return 0;
+}
+
+int baseline_list(const BaselineArguments& arguments) {
+  const DataFolder folder(arguments.data, DataFolder::Claim::reader);
+  const server::Store store(folder.store());
+  nlohmann::json list = nlohmann::json::array();
+  for (const server::BaselineRecord& baseline : store.baselines()) {
+    list.push_back({{"name", baseline.name}, {"night", baseline.night}, {"set_utc", baseline.set_utc}});
+    if (!arguments.as_json) fmt::print("{:<16} night {:<6} set {}\n", baseline.name, baseline.night, baseline.set_utc);
+  }
+  if (arguments.as_json) fmt::print("{}\n", list.dump(1));
+  return 0;
+}
+
+int baseline_show(const BaselineArguments& arguments) {
+  const DataFolder folder(arguments.data, DataFolder::Claim::reader);
+  const server::Store store(folder.store());
+  for (const server::BaselineRecord& baseline : store.baselines()) {
+    if (baseline.name != arguments.name) continue;
+    const NightRecord night = store.night(baseline.night, false).value();
+    std::cout << (arguments.as_json ? to_json(night).dump(1) + "\n" : to_markdown(night));
+    return 0;
+  }
+  throw InputError("baseline", "nothing is approved under this name", arguments.name);
+}
+
+void add_nightly(CLI::App& app, std::function<int()>& action) {
+  const auto arguments = std::make_shared<NightlyArguments>();
+  CLI::App* const verb = app.add_subcommand(
+      "nightly", "Replay captures, compare the results with a baseline; exit code 1 when a gate failed");
+  verb->add_option("--config", arguments->config, "What to replay and how to judge it, JSON (docs/nightly.md)")
+      ->required();
+  verb->add_option("--data", arguments->data,
+                   "Data folder, also of a running service; default: the configuration's, else subpixel-data");
+  verb->add_option("--baseline", arguments->baseline, "Baseline to compare with; default: the configuration's");
+  verb->add_option("--junit", arguments->junit, "Write JUnit XML to this file; - prints it");
+  verb->add_option("--markdown", arguments->markdown, "Write Markdown to this file; - prints it, as without options");
+  verb->add_option("--json", arguments->json_file, "Write JSON to this file; - prints it");
+  verb->add_option("--worker-silence", arguments->silence_s, "Seconds without a word after which a worker is ended")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  verb->add_option("--worker-program", arguments->worker,
+                   "Program run as `PROGRAM worker --job FILE`; default: this one")
+      ->check(CLI::ExistingFile);
+  verb->callback([arguments, &action] { action = [arguments] { return nightly(*arguments); }; });
+}
+
+void add_baseline(CLI::App& app, std::function<int()>& action) {
+  const auto arguments = std::make_shared<BaselineArguments>();
+  CLI::App* const verb = app.add_subcommand("baseline", "Approve a night, or look at what is approved");
+  verb->require_subcommand(1);
+  const auto add = [&](const char* name, const char* description, bool named, int (*run)(const BaselineArguments&)) {
+    CLI::App* const part = verb->add_subcommand(name, description);
+    if (named) part->add_option("name", arguments->name, "Name of the baseline")->required();
+    part->add_option("--data", arguments->data, "Data folder")->capture_default_str();
+    part->callback([arguments, run, &action] { action = [arguments, run] { return run(*arguments); }; });
+    return part;
+  };
+  add("set", "Approve a night: later ones are compared with it", true, &baseline_set)
+      ->add_option("--night", arguments->night, "Number of the night; default: the newest finished one");
+  add("list", "List the baselines", false, &baseline_list)
+      ->add_flag("--json", arguments->as_json, "Print one JSON document");
+  add("show", "Show the night that a baseline names", true, &baseline_show)
+      ->add_flag("--json", arguments->as_json, "Print one JSON document");
+}
+
+}  // namespace
+
+void add_nightly_verbs(CLI::App& app, std::function<int()>& action) {
+  add_nightly(app, action);
+  add_baseline(app, action);
+}
+
+}  // namespace subpixel::cli

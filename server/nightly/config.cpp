@@ -1,0 +1,244 @@
+#include "server/nightly/config.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "capture_format/error.hpp"
+#include "server/json_document.hpp"
+#include "server/run_request.hpp"
+#include "server/text.hpp"
+
+namespace subpixel::server {
+namespace {
+
+using nlohmann::json;
+using replay::JsonField;
+
+const std::string kWhat = "nightly configuration";
+
+constexpr Range kSamples{1, 64}, kSide{1, 16384}, kRepeat{1, 1000}, kReferenceSamples{0, 4096}, kPointLights{0, 256},
+    kKeep{0, 1'000'000}, kConfirm{0, 10};
+constexpr std::size_t kMaxNameBytes = 100;
+
+constexpr std::string_view kMetrics[] = {"mse", "flip_mean", "flip_p99", "flip_max", "hdr_rel_mse", "flicker"};
+
+// What holds for all captures and may be given for each.
+struct Settings {
+  std::vector<std::pair<std::string, std::string>> techniques;  // text and the field it stands in
+  replay::ReplayOptions options;
+};
+
+std::string name_from(const JsonField& field) {
+  const std::string text = field.text();
+  if (text.empty() || text.size() > kMaxNameBytes || printable(text, kMaxNameBytes) != text) {
+    field.fail(fmt::format("expected a name of 1 to {} printable bytes", kMaxNameBytes));
+  }
+  return text;
+}
+
+double share(const JsonField& object, std::string_view name, double absent) {
+  if (!object.has(name)) return absent;
+  const JsonField field = object.member(name);
+  const double value = field.number();
+  if (!(value >= 0)) field.fail("expected a number of 0 or more");
+  return value;
+}
+
+bool flag(const JsonField& object, std::string_view name, bool absent) {
+  if (!object.has(name)) return absent;
+  const JsonField field = object.member(name);
+  if (!field.raw().is_boolean()) field.fail("expected true or false");
+  return field.raw().get<bool>();
+}
+
+Settings read_settings(const JsonField& object, const std::string& path, Settings settings) {
+  replay::ReplayOptions& options = settings.options;
+  options.samples = ranged(object, "samples", kSamples, options.samples);
+  options.repeat = ranged(object, "repeat", kRepeat, options.repeat);
+  options.reference_samples = ranged(object, "reference_samples", kReferenceSamples, options.reference_samples);
+  if (object.has("point_lights")) options.point_lights = ranged(object, "point_lights", kPointLights, 0);
+  if (object.has("size")) {
+    const JsonField size = object.member("size");
+    if (size.array_size() != 2) size.fail("expected [width, height]");
+    const json sides = {{"width", size.element(0).raw()}, {"height", size.element(1).raw()}};
+    const JsonField named(sides, kWhat, path + "size");
+    options.width = ranged(named, "width", kSide, 0);
+    options.height = ranged(named, "height", kSide, 0);
+  }
+  if (object.has("frames")) {
+    const JsonField frames = object.member("frames");
+    if (frames.array_size() != 2 || frames.element(0).u32() > frames.element(1).u32()) {
+      frames.fail("expected [first, last]");
+    }
+    options.frames = {frames.element(0).u32(), frames.element(1).u32()};
+  }
+  if (object.has("techniques")) {
+    settings.techniques.clear();
+    const JsonField techniques = object.member("techniques");
+    if (techniques.raw().is_string()) {
+      settings.techniques.emplace_back(techniques.text(), path + "techniques");
+    } else {
+      for (std::size_t i = 0; i < techniques.array_size(); ++i) {
+        settings.techniques.emplace_back(techniques.element(i).text(), fmt::format("{}techniques[{}]", path, i));
+      }
+    }
+  }
+  return settings;
+}
+
+std::vector<replay::TechniqueRequest> resolve_techniques(const Settings& settings, const std::string& where) {
+  std::vector<replay::TechniqueRequest> requests;
+  for (const auto& [text, field] : settings.techniques) {
+    try {
+      for (const replay::TechniqueRequest& given : replay::parse_technique_list(text)) {
+        replay::TechniqueRequest request =
+            complete_technique(given.technique, given.parameters, settings.options.samples);
+        const bool twice = std::ranges::any_of(requests, [&](const replay::TechniqueRequest& other) {
+          return other.technique == request.technique && other.parameters == request.parameters;
+        });
+        if (twice) throw InputError(kWhat, "asked for twice", request.technique);
+        requests.push_back(std::move(request));
+      }
+    } catch (const Error& error) {
+      throw InputError(kWhat, error.what(), field);
+    }
+  }
+  if (requests.empty()) throw InputError(kWhat, "no technique is given", where + "techniques");
+  return requests;
+}
+
+CaptureSource read_capture(const JsonField& entry, std::size_t index, const Settings& common,
+                           const std::filesystem::path& folder) {
+  const std::string path = fmt::format("captures[{}].", index);
+  check_names(entry,
+              {"name", "path", "scene", "seed", "density", "tag", "techniques", "samples", "size", "frames", "repeat",
+               "reference_samples", "point_lights"},
+              kWhat, path.substr(0, path.size() - 1));
+  const int kinds = (entry.has("path") ? 1 : 0) + (entry.has("scene") ? 1 : 0) + (entry.has("tag") ? 1 : 0);
+  if (kinds != 1) entry.fail("expected one of path, scene and tag");
+  const Settings settings = read_settings(entry, path, common);
+  CaptureSource source;
+  source.options = settings.options;
+  source.options.techniques = resolve_techniques(settings, path);
+  if (!entry.has("scene")) {
+    for (const char* name : {"seed", "density"}) {
+      if (entry.has(name)) entry.member(name).fail("is of a scene");
+    }
+  }
+  if (entry.has("path")) {
+    source.kind = SourceKind::path;
+    source.path = folder / entry.member("path").text();
+    source.name = source.path.stem().string();
+  } else if (entry.has("tag")) {
+    source.kind = SourceKind::tag;
+    source.name = source.tag = name_from(entry.member("tag"));
+  } else {
+    source.kind = SourceKind::scene;
+    source.name = source.scene = entry.member("scene").text();
+    const auto scenes = capture::list_scenes();
+    if (std::ranges::none_of(scenes, [&](const capture::SceneInfo& scene) { return scene.name == source.scene; })) {
+      entry.member("scene").fail("there is no such scene; `subpixel generate --list` names them");
+    }
+    if (entry.has("seed")) source.generate.seed = entry.member("seed").u64();
+    source.generate.density = share(entry, "density", source.generate.density);
+    if (!source.options.frames) source.options.frames = {0, 0};
+    source.generate.frames = source.options.frames->second + 1;
+    if (source.options.width > 0) source.generate.width = source.options.width;
+    if (source.options.height > 0) source.generate.height = source.options.height;
+  }
+  if (entry.has("name")) source.name = name_from(entry.member("name"));
+  return source;
+}
+
+ErrorBound read_bound(const JsonField& field, const std::string& path) {
+  check_names(field, {"limit", "absolute", "relative"}, kWhat, path);
+  ErrorBound bound;
+  if (field.has("limit")) bound.limit = share(field, "limit", 0);
+  bound.absolute = share(field, "absolute", 0);
+  bound.relative = share(field, "relative", 0);
+  return bound;
+}
+
+GateOptions read_gates(const JsonField& field) {
+  check_names(field, {"memory", "shading", "counters", "images", "across", "error", "time"}, kWhat, "gates");
+  GateOptions gates;
+  gates.memory = flag(field, "memory", true);
+  gates.shading = flag(field, "shading", true);
+  gates.counters = flag(field, "counters", true);
+  gates.images = flag(field, "images", true);
+  if (field.has("across")) {
+    const JsonField across = field.member("across");
+    check_names(across, {"relative", "image_mse"}, kWhat, "gates.across");
+    gates.across_relative = share(across, "relative", gates.across_relative);
+    gates.across_image_mse = share(across, "image_mse", gates.across_image_mse);
+  }
+  if (field.has("error")) {
+    const JsonField error = field.member("error");
+    for (const auto& item : error.object().items()) {
+      const JsonField bound = error.member(item.key());
+      if (std::ranges::find(kMetrics, item.key()) == std::end(kMetrics)) {
+        throw InputError(
+            kWhat, fmt::format("unknown metric {} (valid: {})", printable(item.key(), 60), fmt::join(kMetrics, ", ")),
+            "gates.error");
+      }
+      gates.error[item.key()] = read_bound(bound, "gates.error." + item.key());
+    }
+  }
+  if (field.has("time")) {
+    const JsonField time = field.member("time");
+    if (time.raw().is_boolean()) {
+      gates.time = time.raw().get<bool>();
+    } else {
+      check_names(time, {"slower", "minimum_ms", "confirm"}, kWhat, "gates.time");
+      gates.time_slower = share(time, "slower", gates.time_slower);
+      gates.time_minimum_ms = share(time, "minimum_ms", gates.time_minimum_ms);
+      gates.time_confirm = ranged(time, "confirm", kConfirm, gates.time_confirm);
+    }
+  }
+  return gates;
+}
+
+}  // namespace
+
+NightlyConfig parse_nightly_config(std::string_view text, const std::filesystem::path& folder) {
+  NightlyConfig config;
+  config.document = parse_json_document(text, kWhat, "the file");
+  const JsonField top(config.document, kWhat);
+  check_names(top,
+              {"name", "data", "baseline", "captures", "techniques", "samples", "size", "frames", "repeat",
+               "reference_samples", "point_lights", "gates", "keep"},
+              kWhat, "top level");
+  config.name = name_from(top.member("name"));
+  config.baseline = top.has("baseline") ? name_from(top.member("baseline")) : config.name;
+  if (top.has("data")) config.data = folder / top.member("data").text();
+  config.keep = ranged(top, "keep", kKeep, 0);
+  const Settings common = read_settings(top, "", {});
+  const JsonField captures = top.member("captures");
+  if (captures.array_size() == 0) captures.fail("expected at least one capture");
+  for (std::size_t i = 0; i < captures.array_size(); ++i) {
+    CaptureSource source = read_capture(captures.element(i), i, common, folder);
+    const bool twice =
+        std::ranges::any_of(config.captures, [&](const CaptureSource& other) { return other.name == source.name; });
+    if (twice) captures.element(i).fail(fmt::format("another capture is named {}; give it a name", source.name));
+    config.captures.push_back(std::move(source));
+  }
+  if (top.has("gates")) config.gates = read_gates(top.member("gates"));
+  return config;
+}
+
+NightlyConfig read_nightly_config(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::stringstream text;
+  if (!in || !std::filesystem::is_regular_file(file)) throw InputError(kWhat, "can't be read", file.string());
+  text << in.rdbuf();
+  try {
+    return parse_nightly_config(text.str(), std::filesystem::absolute(file).parent_path());
+  } catch (const Error& error) {
+    throw InputError(file.string(), error.what(), "");
+  }
+}
+
+}  // namespace subpixel::server

@@ -1,0 +1,368 @@
+#include "server/nightly/gates.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace subpixel::server {
+namespace {
+
+using replay::FrameResult;
+
+// Collects what differs over the frames of a cell; the first of it is told, the rest counted.
+class Differences {
+ public:
+  void add(std::uint32_t frame, const std::string& text) {
+    if (count_++ == 0) first_ = fmt::format("frame {}: {}", frame, text);
+  }
+  bool any() const { return count_ > 0; }
+  std::string text() const { return count_ > 1 ? fmt::format("{} (and {} more)", first_, count_ - 1) : first_; }
+
+ private:
+  std::string first_;
+  std::size_t count_ = 0;
+};
+
+struct FramePair {
+  NightFrame* tonight;
+  const NightFrame* baseline;
+};
+
+// Equal, or within a share of the baseline.
+bool agrees(double tonight, double baseline, double share) {
+  return tonight == baseline || std::abs(tonight - baseline) <= share * std::abs(baseline);
+}
+
+std::vector<std::pair<std::string, double>> memory_values(const FrameResult& result) {
+  const replay::Memory& memory = result.memory;
+  return {{"paper bytes per pixel", memory.paper_bytes_per_pixel},
+          {"fitted bytes per pixel", memory.fitted_bytes_per_pixel},
+          {"paper bytes", static_cast<double>(memory.paper_bytes)},
+          {"fitted bytes", static_cast<double>(memory.fitted_bytes)},
+          {"allocated bytes", static_cast<double>(memory.allocated_bytes)}};
+}
+
+std::vector<std::pair<std::string, double>> error_values(const FrameResult& result) {
+  const replay::ImageError& error = result.error;
+  return {{"mse", error.mse},           {"flip_mean", error.flip_mean},     {"flip_p99", error.flip_p99},
+          {"flip_max", error.flip_max}, {"hdr_rel_mse", error.hdr_rel_mse}, {"flicker", error.flicker}};
+}
+
+double error_value(const FrameResult& result, const std::string& metric) {
+  for (const auto& [name, value] : error_values(result)) {
+    if (name == metric) return value;
+  }
+  return std::nan("");
+}
+
+std::string driver_of(const replay::ResultsHead& head) {
+  return fmt::format("{} on {}", head.driver_version, head.cpu_model);
+}
+
+bool same_machine(const replay::ResultsHead& a, const replay::ResultsHead& b) {
+  return a.driver == b.driver && a.driver_version == b.driver_version && a.device == b.device &&
+         a.cpu_model == b.cpu_model;
+}
+
+// One cell against its counterpart.
+class CellJudge {
+ public:
+  CellJudge(NightCell& cell, const GateOptions& options) : cell_(cell), options_(options) {}
+
+  void add(const std::string& gate, GateOutcome outcome, const std::string& detail) {
+    cell_.gates.push_back({gate, outcome, detail});
+  }
+  void add(const std::string& gate, const Differences& differences, const std::string& when_passed) {
+    add(gate, differences.any() ? GateOutcome::failed : GateOutcome::passed,
+        differences.any() ? differences.text() : when_passed);
+  }
+
+  void judge_alone(const std::string& problem) {
+    if (cell_.frames.empty() || !problem.empty()) {
+      add("replay", GateOutcome::failed, problem.empty() ? "it was not replayed" : problem);
+      if (cell_.frames.empty()) return;
+    }
+    Differences invalid;
+    for (const NightFrame& frame : cell_.frames) {
+      const auto found = frame.result.counters.find("invalid_pixels");
+      if (found != frame.result.counters.end() && found->second > 0) {
+        invalid.add(frame.result.frame, fmt::format("{} pixels are NaN, infinite or negative", found->second));
+      }
+    }
+    add("valid", invalid, "every pixel is a finite number of 0 or more");
+  }
+
+  void judge_error(const std::vector<FramePair>& pairs) {
+    for (const auto& [metric, bound] : options_.error) {
+      Differences differences;
+      for (const NightFrame& frame : cell_.frames) {
+        const double value = error_value(frame.result, metric);
+        if (bound.limit && !(value <= *bound.limit) && !std::isnan(value)) {
+          differences.add(frame.result.frame, fmt::format("{:.4g} is above the limit of {:.4g}", value, *bound.limit));
+        }
+      }
+      for (const FramePair& pair : pairs) {
+        const double before = error_value(pair.baseline->result, metric);
+        const double now = error_value(pair.tonight->result, metric);
+        if (std::isnan(before)) continue;
+        const double allowed = before * (1 + bound.relative) + bound.absolute;
+        if (!(now <= allowed)) {
+          differences.add(
+              pair.tonight->result.frame,
+              fmt::format("{:.6g}, the baseline has {:.6g}; up to {:.6g} is allowed", now, before, allowed));
+        }
+      }
+      add("error " + metric, differences, pairs.empty() ? "within its limit" : "no worse than the baseline");
+    }
+  }
+
+  void judge_exact(const std::vector<FramePair>& pairs, bool same, const CompareImages& compare) {
+    const double share = same ? 0 : options_.across_relative;
+    const std::string passed = same ? "equal" : fmt::format("within {:g}%", 100 * share);
+    if (options_.memory) add("memory", compare_values(pairs, share, memory_values), passed);
+    if (options_.shading) {
+      add("shading",
+          compare_values(pairs, share,
+                         [](const FrameResult& result) {
+                           return std::vector<std::pair<std::string, double>>{
+                               {"lighting executions", static_cast<double>(result.shading.executions)}};
+                         }),
+          passed);
+    }
+    if (options_.counters) {
+      // A counter that the baseline does not have is news, not a failure.
+      add("counters",
+          compare_values(pairs, share,
+                         [](const FrameResult& result) {
+                           std::vector<std::pair<std::string, double>> values;
+                           for (const auto& [name, value] : result.counters) {
+                             values.emplace_back(name, static_cast<double>(value));
+                           }
+                           return values;
+                         }),
+          passed);
+    }
+    if (options_.images) add("images", compare_images(pairs, same, compare), same ? "equal" : "alike");
+  }
+
+  void judge_time(const CellTime* baseline) {
+    if (!options_.time) return;
+    if (baseline == nullptr || cell_.time.references.empty()) {
+      return add("time", GateOutcome::skipped, "there is no msaa or noaa of the same run to compare it with");
+    }
+    if (cell_.time.own.ms < options_.time_minimum_ms) {
+      return add("time", GateOutcome::skipped,
+                 fmt::format("{:.1f} ms is too short to judge ({:g} ms)", cell_.time.own.ms, options_.time_minimum_ms));
+    }
+    std::string detail;
+    const bool slower = is_slower(cell_.time, *baseline, options_.time_slower, detail);
+    if (detail.empty()) return add("time", GateOutcome::skipped, "the baseline was measured beside other techniques");
+    add("time", slower ? GateOutcome::failed : GateOutcome::passed, detail);
+  }
+
+  void conclude(bool has_baseline) {
+    const bool failed =
+        std::ranges::any_of(cell_.gates, [](const GateResult& gate) { return gate.outcome == GateOutcome::failed; });
+    cell_.status = failed ? CellStatus::failed : has_baseline ? CellStatus::passed : CellStatus::new_;
+  }
+
+ private:
+  template <class ValuesOf>
+  static Differences compare_values(const std::vector<FramePair>& pairs, double share, ValuesOf values_of) {
+    Differences differences;
+    for (const FramePair& pair : pairs) {
+      const auto now = values_of(pair.tonight->result);
+      for (const auto& [name, before] : values_of(pair.baseline->result)) {
+        const auto found = std::ranges::find(now, name, [](const auto& value) { return value.first; });
+        if (found == now.end()) {
+          differences.add(pair.tonight->result.frame, name + " is not counted any more");
+        } else if (!agrees(found->second, before, share)) {
+          differences.add(pair.tonight->result.frame,
+                          fmt::format("{} {:.15g}, the baseline has {:.15g}", name, found->second, before));
+        }
+      }
+    }
+    return differences;
+  }
+
+  Differences compare_images(const std::vector<FramePair>& pairs, bool same, const CompareImages& compare) const {
+    Differences differences;
+    for (const FramePair& pair : pairs) {
+      const std::uint32_t frame = pair.tonight->result.frame;
+      for (const auto& [role, before] : pair.baseline->result.images) {
+        const auto& now = pair.tonight->result.images;
+        const auto found = now.find(role);
+        if (found == now.end()) {
+          differences.add(frame, role + " is not made any more");
+        } else if (role == "image" && found->second != before) {
+          const std::optional<ImageDifference> by = compare(*pair.tonight, before);
+          const std::string words = by ? fmt::format("{} pixels differ, by up to {:.4f}, mean square {:.2e}",
+                                                     by->pixels, by->largest, by->mse)
+                                       : std::string("it can't be compared with the baseline's");
+          if (same || !by || by->mse > options_.across_image_mse) differences.add(frame, "image: " + words);
+        } else if (same && found->second != before) {
+          differences.add(frame, role + " is another");
+        }
+      }
+    }
+    return differences;
+  }
+
+  NightCell& cell_;
+  const GateOptions& options_;
+};
+
+std::vector<FramePair> pair_frames(NightCell& tonight, const NightCell& baseline, Differences& missing) {
+  std::vector<FramePair> pairs;
+  for (const NightFrame& before : baseline.frames) {
+    const auto found = std::ranges::find_if(
+        tonight.frames, [&](const NightFrame& frame) { return frame.result.frame == before.result.frame; });
+    if (found == tonight.frames.end()) {
+      missing.add(before.result.frame, "the baseline has it");
+    } else {
+      pairs.push_back({&*found, &before});
+    }
+  }
+  return pairs;
+}
+
+// Why the two captures can't be compared at all; empty when they can.
+std::string capture_difference(const NightCapture& tonight, const NightCapture& baseline) {
+  if (tonight.hash != baseline.hash)
+    return fmt::format("its content is {}, the baseline's {}", tonight.hash, baseline.hash);
+  if (!tonight.head || !baseline.head) return "one of the two was not replayed";
+  const auto setup = [](const replay::ResultsHead& head) {
+    return fmt::format("{}x{}, reference of {} samples, {} point lights", head.width, head.height,
+                       head.reference_samples, head.point_lights);
+  };
+  if (setup(*tonight.head) == setup(*baseline.head)) return "";
+  return fmt::format("replayed at {}; the baseline at {}", setup(*tonight.head), setup(*baseline.head));
+}
+
+void judge_cell(NightCell& cell, const NightCapture& capture, const NightCell* before,
+                const NightCapture* capture_before, const GateOptions& options, const CompareImages& compare) {
+  cell.gates.clear();
+  CellJudge judge(cell, options);
+  judge.judge_alone(capture.problem);
+  if (before == nullptr || capture_before == nullptr || cell.frames.empty()) {
+    if (!cell.frames.empty()) judge.judge_error({});
+    return judge.conclude(false);
+  }
+  const std::string difference = capture_difference(capture, *capture_before);
+  if (!difference.empty()) {
+    judge.add("capture", GateOutcome::failed, difference);
+    judge.judge_error({});
+    return judge.conclude(true);
+  }
+  Differences missing;
+  const std::vector<FramePair> pairs = pair_frames(cell, *before, missing);
+  if (missing.any()) judge.add("frames", missing, "");
+  const bool same = same_machine(*capture.head, *capture_before->head);
+  if (!same) {
+    judge.add("machine", GateOutcome::skipped,
+              fmt::format("{}; the baseline is of {}: tolerances in place of equality", driver_of(*capture.head),
+                          driver_of(*capture_before->head)));
+  }
+  judge.judge_exact(pairs, same, compare);
+  judge.judge_error(pairs);
+  judge.judge_time(&before->time);
+  judge.conclude(true);
+}
+
+struct Ratio {
+  double value, low, high;
+};
+
+// The spread is the distance from the fastest to the slowest repeat, so the interval holds every ratio of two repeats.
+Ratio ratio(const TimeSpan& own, const TimeSpan& reference) {
+  const double least = std::max(reference.ms - reference.spread_ms, 1e-6);
+  return {own.ms / std::max(reference.ms, 1e-6),
+          std::max(own.ms - own.spread_ms, 0.0) / (reference.ms + reference.spread_ms),
+          (own.ms + own.spread_ms) / least};
+}
+
+}  // namespace
+
+CellTime cell_time(const NightCell& cell, const std::vector<NightCell>& of_same_capture) {
+  const auto span_of = [](const NightCell& measured) {
+    TimeSpan span;
+    for (const NightFrame& frame : measured.frames) {
+      span.ms += frame.result.ms.total_ms;
+      span.spread_ms += frame.result.ms.spread_ms;
+    }
+    return span;
+  };
+  CellTime time{span_of(cell), {}};
+  const NightCell* msaa = nullptr;
+  for (const NightCell& other : of_same_capture) {
+    // Only over the same frames is a ratio of sums a ratio.
+    if (other.frames.size() != cell.frames.size() || other.frames.empty()) continue;
+    const FrameResult& result = other.frames.front().result;
+    if (result.technique == "noaa" && other.technique != cell.technique)
+      time.references[other.technique] = span_of(other);
+    if (result.technique == "msaa" &&
+        (msaa == nullptr || (result.samples == 8 && msaa->frames[0].result.samples != 8))) {
+      msaa = &other;
+    }
+  }
+  if (msaa != nullptr && msaa->technique != cell.technique) time.references[msaa->technique] = span_of(*msaa);
+  return time;
+}
+
+bool is_slower(const CellTime& tonight, const CellTime& baseline, double slower, std::string& detail) {
+  bool all = true;
+  detail.clear();
+  for (const auto& [technique, reference] : tonight.references) {
+    const auto before = baseline.references.find(technique);
+    if (before == baseline.references.end()) continue;
+    const Ratio now = ratio(tonight.own, reference), then = ratio(baseline.own, before->second);
+    const double allowed = then.high * (1 + slower);
+    all = all && now.low > allowed;
+    detail += fmt::format("{}{:.2f} ({:.2f} to {:.2f}) of {}, the baseline {:.2f} ({:.2f} to {:.2f})",
+                          detail.empty() ? "" : "; ", now.value, now.low, now.high, technique, then.value, then.low,
+                          then.high);
+  }
+  return all && !detail.empty();
+}
+
+void judge(NightRecord& tonight, const NightRecord* baseline, const GateOptions& options,
+           const CompareImages& compare) {
+  const auto capture_of = [](const NightRecord& night, const NightCell& cell) -> const NightCapture& {
+    return night.captures.at(cell.capture);
+  };
+  const auto counterpart = [&](const NightRecord& in, const std::string& capture,
+                               const std::string& technique) -> const NightCell* {
+    for (const NightCell& cell : in.cells) {
+      if (cell.technique == technique && capture_of(in, cell).name == capture) return &cell;
+    }
+    return nullptr;
+  };
+  std::erase_if(tonight.cells, [](const NightCell& cell) { return cell.status == CellStatus::missing; });
+  for (NightCell& cell : tonight.cells) {
+    const NightCapture& capture = capture_of(tonight, cell);
+    const NightCell* before = baseline == nullptr ? nullptr : counterpart(*baseline, capture.name, cell.technique);
+    // What the baseline lacked itself is no measure.
+    if (before != nullptr && before->frames.empty()) before = nullptr;
+    judge_cell(cell, capture, before, before == nullptr ? nullptr : &capture_of(*baseline, *before), options, compare);
+  }
+  if (baseline == nullptr) return;
+  for (const NightCell& before : baseline->cells) {
+    if (before.frames.empty()) continue;
+    const std::string& name = capture_of(*baseline, before).name;
+    if (counterpart(tonight, name, before.technique) != nullptr) continue;
+    NightCell missing;
+    missing.technique = before.technique;
+    missing.status = CellStatus::missing;
+    missing.gates.push_back({"presence", GateOutcome::failed, "the baseline has it, the configuration does not"});
+    const auto capture =
+        std::ranges::find(tonight.captures, name, [](const NightCapture& candidate) { return candidate.name; });
+    missing.capture = static_cast<std::uint32_t>(capture - tonight.captures.begin());
+    if (capture == tonight.captures.end()) {
+      tonight.captures.push_back({name, "not in the configuration", "", "", std::nullopt});
+    }
+    tonight.cells.push_back(std::move(missing));
+  }
+}
+
+}  // namespace subpixel::server

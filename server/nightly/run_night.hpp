@@ -1,0 +1,28 @@
+// One night from its configuration to its verdict: replays every capture in a worker process, stores the results,
+// compares them with the baseline.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "server/child_process.hpp"
+#include "server/data_folder.hpp"
+#include "server/nightly/config.hpp"
+#include "server/nightly/night.hpp"
+#include "server/store.hpp"
+
+namespace subpixel::server {
+
+struct NightOptions {
+  std::filesystem::path worker;  // run as `worker worker --job FILE`
+  ChildLimits limits;
+  std::function<void(const std::string& line)> progress;  // one line for people; may be absent
+};
+
+// The folder is claimed for the night, the store is the folder's. A capture that can't be replayed fails its cells and
+// the night goes on. Returns the night as it is stored, with frames. Throws InputError for a full disk.
+NightRecord run_night(const NightlyConfig& config, const DataFolder& folder, Store& store, const NightOptions& options);
+
+}  // namespace subpixel::server
