@@ -12,6 +12,8 @@
 #include <sstream>
 
 #include "capture_format/error.hpp"
+#include "replay/measure/atomic_file.hpp"
+#include "replay/measure/plots.hpp"
 #include "replay/measure/results_file.hpp"
 #include "replay/replay.hpp"
 #include "replay/techniques/technique.hpp"
@@ -76,6 +78,23 @@ struct ReplayFlags {
   int point_lights = -1;
 };
 
+// plot_COST_ERROR.svg for each cost and error, and the points behind them.
+void write_plots(const std::filesystem::path& folder, const Results& results) {
+  const std::vector<Summary> summaries = summarise(results);
+  if (results.head.reference_samples > 0) {
+    for (std::size_t cost = 0; cost < std::size(kPlotCosts); ++cost) {
+      for (std::size_t error = 0; error < std::size(kPlotErrors); ++error) {
+        const Plot plot = make_plot(summaries, static_cast<PlotCost>(cost), static_cast<PlotError>(error));
+        if (plot.points.empty()) continue;
+        write_file_atomically(folder / fmt::format("plot_{}_{}.svg", kPlotCosts[cost], kPlotErrors[error]),
+                              std::string_view(to_svg(plot)));
+      }
+    }
+  }
+  write_file_atomically(folder / "points.csv", std::string_view(points_csv(summaries)));
+  write_file_atomically(folder / "points.md", std::string_view(points_markdown(summaries)));
+}
+
 int replay(const ReplayFlags& flags) {
   ReplayJob job;
   job.capture = flags.file;
@@ -104,8 +123,9 @@ int replay(const ReplayFlags& flags) {
     return 0;
   }
   write_results(json, results);
+  write_plots(job.out_dir, results);
   std::cout << to_table(results);
-  fmt::print("images, maps: {}   results: {}\n", job.out_dir.string(), json.string());
+  fmt::print("images, maps, plots: {}   results: {}\n", job.out_dir.string(), json.string());
   return 0;
 }
 
