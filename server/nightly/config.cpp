@@ -86,6 +86,7 @@ Settings read_settings(const JsonField& object, const std::string& path, Setting
       }
     }
   }
+  if (object.has("also")) settings.techniques.emplace_back(object.member("also").text(), path + "also");
   return settings;
 }
 
@@ -114,8 +115,8 @@ CaptureSource read_capture(const JsonField& entry, std::size_t index, const Sett
                            const std::filesystem::path& folder) {
   const std::string path = fmt::format("captures[{}].", index);
   check_names(entry,
-              {"name", "path", "scene", "seed", "density", "tag", "techniques", "samples", "size", "frames", "repeat",
-               "reference_samples", "point_lights"},
+              {"name", "path", "scene", "seed", "density", "tag", "techniques", "also", "samples", "size", "frames",
+               "repeat", "reference_samples", "point_lights"},
               kWhat, path.substr(0, path.size() - 1));
   const int kinds = (entry.has("path") ? 1 : 0) + (entry.has("scene") ? 1 : 0) + (entry.has("tag") ? 1 : 0);
   if (kinds != 1) entry.fail("expected one of path, scene and tag");

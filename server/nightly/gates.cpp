@@ -143,7 +143,10 @@ class CellJudge {
                          }),
           passed);
     }
-    if (options_.images) add("images", compare_images(pairs, same, compare), same ? "equal" : "alike");
+    if (options_.images) {
+      add("images", compare_images(pairs, same, compare), same ? "equal" : "alike");
+      if (same) add("metrics", compare_metrics(pairs), "equal where the images are");
+    }
   }
 
   void judge_time(const CellTime* baseline) {
@@ -204,6 +207,23 @@ class CellJudge {
         } else if (same && found->second != before) {
           differences.add(frame, role + " is another");
         }
+      }
+    }
+    return differences;
+  }
+
+  // Of equal images the errors are equal too, or what measures them has changed. Images are hashed as their files' 8
+  // and 16 bits, so a difference below those may show in the errors' last digits.
+  static Differences compare_metrics(const std::vector<FramePair>& pairs) {
+    Differences differences;
+    for (const FramePair& pair : pairs) {
+      if (pair.tonight->result.images != pair.baseline->result.images) continue;
+      const auto before = error_values(pair.baseline->result), now = error_values(pair.tonight->result);
+      for (std::size_t i = 0; i < now.size(); ++i) {
+        if (std::isnan(before[i].second) || agrees(now[i].second, before[i].second, 1e-6)) continue;
+        differences.add(pair.tonight->result.frame,
+                        fmt::format("the images are equal, but {} is {:.6g}, the baseline has {:.6g}", now[i].first,
+                                    now[i].second, before[i].second));
       }
     }
     return differences;
