@@ -60,6 +60,27 @@ std::int64_t query_number(const httplib::Request& request, const std::string& na
   return number;
 }
 
+std::int64_t parse_id(const std::string& text) {
+  std::int64_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  return error == std::errc() && end == text.data() + text.size() ? id : -1;
+}
+
+std::string read_json_body(const httplib::Request& request, const httplib::ContentReader& read,
+                           const std::string& what) {
+  const std::string type = request.get_header_value("Content-Type");
+  if (type.substr(0, type.find(';')) != "application/json") {
+    throw HttpError(415, what + " is refused", "the body must be JSON", "header Content-Type: application/json");
+  }
+  std::string body;
+  const bool whole = read([&](const char* bytes, std::size_t size) {
+    body.append(bytes, size);
+    return body.size() <= kMaxOtherBodyBytes;
+  });
+  if (!whole) throw HttpError(400, "the request is incomplete", "its body ended early", "body");
+  return body;
+}
+
 Api::Api(const ServiceOptions& options, const DataFolder& folder, Store& store, RunEvents& events, JobQueue& queue)
     : options_(options), folder_(folder), store_(store), events_(events), queue_(queue) {}
 
@@ -113,6 +134,7 @@ void Api::route(HttpServer& http) {
   });
   route_captures(http);
   route_runs(http);
+  route_nights(http);
   route_web(http);
   // The library would read the body of a POST without a route into memory before it answered 404.
   http.Post(".*", [](const Request& request, Response& response, const httplib::ContentReader&) {

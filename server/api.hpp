@@ -40,14 +40,25 @@ class Api {
   void delete_capture(const std::string& hash, Response& response);
   void send_capture_file(const std::string& hash, Response& response) const;
   void send_blob(const Request& request, const std::string& hash, Response& response) const;
+  void post_tags(const std::string& hash, const Request& request, Response& response,
+                 const httplib::ContentReader& read);
   // api_runs.cpp
   void route_runs(HttpServer& http);
   void post_run(const Request& request, Response& response, const httplib::ContentReader& read);
   void list_runs(const Request& request, Response& response) const;
   void cancel_run(std::int64_t id, Response& response);
   void send_events(std::int64_t id, const Request& request, Response& response);
+  void send_plots(const Request& request, Response& response) const;
+  void send_advice(const Request& request, Response& response) const;
+  replay::Results measured(const RunRecord& run) const;
   nlohmann::json run_json(const RunRecord& run) const;
   RunRecord find_run(const std::string& id) const;
+  // api_nights.cpp
+  void route_nights(HttpServer& http);
+  void list_nights(const Request& request, Response& response) const;
+  void send_cell(const NightRecord& night, std::int64_t cell, Response& response) const;
+  void post_baseline(const Request& request, Response& response, const httplib::ContentReader& read);
+  NightRecord find_night(const std::string& id) const;
 
   const ServiceOptions& options_;
   const DataFolder& folder_;
@@ -62,5 +73,13 @@ class Api {
 // A whole number from the query, `absent` without it. Throws HttpError 400 outside of [minimum, maximum].
 std::int64_t query_number(const httplib::Request& request, const std::string& name, std::int64_t minimum,
                           std::int64_t maximum, std::int64_t absent);
+
+// The number in a path, -1 for one that is none.
+std::int64_t parse_id(const std::string& text);
+
+// The body of a request that must be JSON; `what` is what it asks for. Throws HttpError 415 for another content type,
+// which a page of another site could send unasked, and 400 when it ends early.
+std::string read_json_body(const httplib::Request& request, const httplib::ContentReader& read,
+                           const std::string& what);
 
 }  // namespace subpixel::server

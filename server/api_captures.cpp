@@ -9,6 +9,7 @@
 #include "server/api.hpp"
 #include "server/capture_inspection.hpp"
 #include "server/http_error.hpp"
+#include "server/json_document.hpp"
 #include "server/run_request.hpp"
 #include "server/text.hpp"
 #include "server/upload.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr std::size_t kMaxNameBytes = 120;
 constexpr std::int64_t kMaxListed = 500;
+constexpr std::size_t kMaxTags = 20, kMaxTagBytes = 40;
 
 nlohmann::json capture_json(const CaptureRecord& capture) {
   const auto features = capture.summary.find("features");
@@ -31,6 +33,7 @@ nlohmann::json capture_json(const CaptureRecord& capture) {
           {"height", capture.height},
           {"triangles", capture.triangles},
           {"features", features != capture.summary.end() ? *features : nlohmann::json::array()},
+          {"tags", capture.tags},
           {"thumbnail", capture.thumbnail ? nlohmann::json(*capture.thumbnail) : nlohmann::json(nullptr)}};
 }
 
@@ -70,6 +73,10 @@ void Api::route_captures(HttpServer& http) {
   });
   http.Get("/api/captures/([0-9a-f]{32})/file",
            [this](const Request& request, Response& response) { send_capture_file(request.matches[1], response); });
+  http.Post("/api/captures/([0-9a-f]{32})/tags",
+            [this](const Request& request, Response& response, const httplib::ContentReader& read) {
+              post_tags(request.matches[1], request, response, read);
+            });
   http.Delete("/api/captures/([0-9a-f]{32})",
               [this](const Request& request, Response& response) { delete_capture(request.matches[1], response); });
   http.Get("/api/blobs/([0-9a-f]{32})",
@@ -125,6 +132,28 @@ void Api::post_capture(const Request& request, Response& response, const httplib
   if (!capture) throw HttpError(409, "the capture is not stored", "it was deleted meanwhile; send it again", hash);
   response.set_header("Location", "/api/captures/" + hash);
   write_json(response, added ? 201 : 200, capture_json(*capture));
+}
+
+void Api::post_tags(const std::string& hash, const Request& request, Response& response,
+                    const httplib::ContentReader& read) {
+  const std::string what = "tags";
+  const nlohmann::json document =
+      parse_json_document(read_json_body(request, read, "the list of tags"), what, "the body");
+  const replay::JsonField top(document, what);
+  check_names(top, {"tags"}, what, "top level");
+  const replay::JsonField list = top.member("tags");
+  if (list.array_size() > kMaxTags) list.fail(fmt::format("more than {} tags", kMaxTags));
+  std::vector<std::string> tags;
+  for (std::size_t i = 0; i < list.array_size(); ++i) {
+    const std::string tag = list.element(i).text();
+    if (tag.empty() || tag.size() > kMaxTagBytes || printable(tag, kMaxTagBytes) != tag) {
+      list.element(i).fail(fmt::format("expected 1 to {} printable bytes", kMaxTagBytes));
+    }
+    tags.push_back(tag);
+  }
+  if (!store_.set_tags(hash, tags)) throw no_capture(hash);
+  response.set_header("Cache-Control", "no-store");
+  write_json(response, 200, capture_json(store_.capture(hash).value()));
 }
 
 void Api::delete_capture(const std::string& hash, Response& response) {

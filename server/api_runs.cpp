@@ -1,9 +1,14 @@
 // Runs, their progress and their results over HTTP.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <memory>
+#include <span>
 
+#include "replay/measure/advisor.hpp"
+#include "replay/measure/plots.hpp"
 #include "server/api.hpp"
 #include "server/http_error.hpp"
 #include "server/run_request.hpp"
@@ -13,17 +18,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMaxRequestBytes = 1 << 20;
 constexpr std::int64_t kMaxListed = 200;
 constexpr std::uint32_t kResultsAtATime = 32;
 constexpr std::chrono::milliseconds kHeartbeat{10'000};
 constexpr int kMaxStreams = 48;  // below the number of connections, so that plain requests always get through
-
-std::int64_t parse_id(const std::string& text) {
-  std::int64_t id = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-  return error == std::errc() && end == text.data() + text.size() ? id : -1;
-}
 
 json text_or_null(const std::string& text) {
   return text.empty() ? json(nullptr) : json(text);
@@ -42,6 +40,28 @@ json status_json(const RunRecord& run, const std::optional<json>& progress) {
           {"stored_results", run.stored_results},
           {"expected_results", run.expected_results},
           {"progress", progress ? *progress : json(nullptr)}};
+}
+
+// Which of `names` the query asks for, the first without it.
+std::size_t query_choice(const httplib::Request& request, const std::string& name,
+                         std::span<const std::string_view> names) {
+  if (!request.has_param(name)) return 0;
+  const auto found = std::ranges::find(names, request.get_param_value(name));
+  if (found == names.end()) {
+    throw HttpError(400, "the query is wrong", fmt::format("expected one of {}", fmt::join(names, ", ")), name);
+  }
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+std::optional<double> query_amount(const httplib::Request& request, const std::string& name) {
+  if (!request.has_param(name)) return std::nullopt;
+  const std::string text = request.get_param_value(name);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0) || !std::isfinite(value)) {
+    throw HttpError(400, "the query is wrong", "expected a number of 0 or more", name);
+  }
+  return value;
 }
 
 // One client that follows one run. Each step waits for a change, then sends what is new.
@@ -143,6 +163,43 @@ void Api::route_runs(HttpServer& http) {
     if (request.matches[2] == "json") return write_json(response, 200, document);
     response.set_content(replay::to_csv(replay::results_from_json(document)), "text/csv; charset=utf-8");
   });
+  http.Get("/api/runs/([0-9]{1,18})/(plot\\.svg|points\\.csv|points\\.md)",
+           [this](const Request& request, Response& response) { send_plots(request, response); });
+  http.Get("/api/runs/([0-9]{1,18})/advice",
+           [this](const Request& request, Response& response) { send_advice(request, response); });
+}
+
+replay::Results Api::measured(const RunRecord& run) const {
+  replay::Results results;
+  if (run.head) results.head = replay::results_head_from_json(*run.head);
+  for (const StoredResult& result : store_.results(run.id)) {
+    results.results.push_back(replay::frame_result_from_json(result.document));
+  }
+  return results;
+}
+
+void Api::send_plots(const Request& request, Response& response) const {
+  const RunRecord run = find_run(request.matches[1]);
+  const std::string kind = request.matches[2];
+  const std::vector<replay::Summary> summaries = replay::summarise(measured(run));
+  response.set_header("Cache-Control", "no-store");
+  response.set_header("Content-Disposition", fmt::format("inline; filename=\"run-{}-{}\"", run.id, kind));
+  if (kind == "points.csv") return response.set_content(replay::points_csv(summaries), "text/csv; charset=utf-8");
+  if (kind == "points.md") {
+    return response.set_content(replay::points_markdown(summaries), "text/markdown; charset=utf-8");
+  }
+  const auto cost = static_cast<replay::PlotCost>(query_choice(request, "cost", replay::kPlotCosts));
+  const auto error = static_cast<replay::PlotError>(query_choice(request, "error", replay::kPlotErrors));
+  response.set_content(replay::to_svg(replay::make_plot(summaries, cost, error)), "image/svg+xml");
+}
+
+void Api::send_advice(const Request& request, Response& response) const {
+  const RunRecord run = find_run(request.matches[1]);
+  replay::ErrorBudget budget;
+  budget.max_flip = query_amount(request, "max_flip");
+  budget.max_mse = query_amount(request, "max_mse");
+  response.set_header("Cache-Control", "no-store");
+  write_json(response, 200, replay::to_json(replay::advise(measured(run), budget)));
 }
 
 RunRecord Api::find_run(const std::string& id) const {
@@ -168,18 +225,7 @@ json Api::run_json(const RunRecord& run) const {
 }
 
 void Api::post_run(const Request& request, Response& response, const httplib::ContentReader& read) {
-  // A page of another site can send a form's content types without asking, but not this one.
-  const std::string type = request.get_header_value("Content-Type");
-  if (type.substr(0, type.find(';')) != "application/json") {
-    throw HttpError(415, "the run is refused", "the body must be JSON", "header Content-Type: application/json");
-  }
-  std::string body;
-  const bool whole = read([&](const char* bytes, std::size_t size) {
-    body.append(bytes, size);
-    return body.size() <= kMaxRequestBytes;
-  });
-  if (!whole) throw HttpError(400, "the request is incomplete", "its body ended early", "body");
-
+  const std::string body = read_json_body(request, read, "the run");
   RunRequest wanted = parse_run_request(body);
   const std::optional<CaptureRecord> capture = store_.capture(wanted.capture);
   if (!capture) throw HttpError(404, "there is no such capture", "none has this hash", "capture");

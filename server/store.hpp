@@ -150,7 +150,9 @@ class Store {
   void drop_old_nights(std::string_view name, std::uint32_t keep);
   // With captures and cells; frames only when asked for.
   std::optional<NightRecord> night(std::int64_t id, bool with_frames) const;
-  // Newest first, without captures and frames but with the cells' status; ids below `before` (0: from the newest).
+  // One cell with its frames.
+  std::optional<NightCell> night_cell(std::int64_t id) const;
+  // Newest first, without frames; ids below `before` (0: from the newest).
   std::vector<NightRecord> nights(std::uint32_t limit, std::int64_t before, std::string_view name) const;
   // Names a finished night; false when there is none of that number.
   bool set_baseline(std::string_view name, std::int64_t night);

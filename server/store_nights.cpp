@@ -44,20 +44,23 @@ void read_captures(const Connection& connection, NightRecord& night) {
   }
 }
 
+constexpr std::string_view kCellColumns = "SELECT id, capture, technique, status, gates, time FROM night_cells ";
+
+NightCell read_cell(Statement& row) {
+  NightCell cell;
+  cell.id = row.integer();
+  cell.capture = static_cast<std::uint32_t>(row.integer());
+  cell.technique = row.text();
+  cell.status = cell_status_from_text(row.text());
+  cell.gates = gates_from_json(json::parse(row.text()));
+  cell.time = cell_time_from_json(json::parse(row.text()));
+  return cell;
+}
+
 void read_cells(const Connection& connection, NightRecord& night) {
-  Statement select(connection,
-                   "SELECT id, capture, technique, status, gates, time FROM night_cells WHERE night = ? ORDER BY id");
+  Statement select(connection, std::string(kCellColumns) + "WHERE night = ? ORDER BY id");
   select.bind(night.id);
-  while (select.step()) {
-    NightCell cell;
-    cell.id = select.integer();
-    cell.capture = static_cast<std::uint32_t>(select.integer());
-    cell.technique = select.text();
-    cell.status = cell_status_from_text(select.text());
-    cell.gates = gates_from_json(json::parse(select.text()));
-    cell.time = cell_time_from_json(json::parse(select.text()));
-    night.cells.push_back(std::move(cell));
-  }
+  while (select.step()) night.cells.push_back(read_cell(select));
 }
 
 void read_frames(const Connection& connection, NightCell& cell) {
@@ -227,6 +230,19 @@ std::optional<NightRecord> Store::night(std::int64_t id, bool with_frames) const
   return night;
 }
 
+std::optional<NightCell> Store::night_cell(std::int64_t id) const {
+  const ReadLease reader = read();
+  std::optional<NightCell> cell;
+  {
+    Statement select(reader.connection(), std::string(kCellColumns) + "WHERE id = ?");
+    select.bind(id);
+    if (!select.step()) return std::nullopt;
+    cell = read_cell(select);
+  }
+  read_frames(reader.connection(), *cell);
+  return cell;
+}
+
 std::vector<NightRecord> Store::nights(std::uint32_t limit, std::int64_t before, std::string_view name) const {
   const ReadLease reader = read();
   std::string sql = std::string(kNightColumns) + "WHERE 1";
@@ -238,7 +254,10 @@ std::vector<NightRecord> Store::nights(std::uint32_t limit, std::int64_t before,
   select.bind(std::int64_t{limit});
   std::vector<NightRecord> nights;
   while (select.step()) nights.push_back(read_night(select));
-  for (NightRecord& night : nights) read_cells(reader.connection(), night);
+  for (NightRecord& night : nights) {
+    read_captures(reader.connection(), night);
+    read_cells(reader.connection(), night);
+  }
   return nights;
 }
 

@@ -3,6 +3,8 @@ import {get} from './api.js';
 import {capturePage} from './capture_page.js';
 import {capturesPage} from './captures_page.js';
 import {h, replace} from './dom.js';
+import {nightPage} from './night_page.js';
+import {nightsPage} from './nights_page.js';
 import {runPage} from './run_page.js';
 import {runsPage} from './runs_page.js';
 
@@ -11,6 +13,8 @@ const routes = [
   [/^#\/captures\/([0-9a-f]{32})$/, (hash) => capturePage(hash), 'captures'],
   [/^#\/runs$/, () => runsPage(), 'runs'],
   [/^#\/runs\/(\d+)$/, (id) => runPage(Number(id)), 'runs'],
+  [/^#\/nights$/, () => nightsPage(), 'nights'],
+  [/^#\/nights\/(\d+)$/, (id) => nightPage(Number(id)), 'nights'],
 ];
 
 // A page is {element, title, close}; `close` ends what the page has going on.

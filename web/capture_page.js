@@ -1,7 +1,7 @@
 // One capture: what it is, its runs, and the form that starts a new one.
-import {get, remove, techniques} from './api.js';
+import {get, post, remove, techniques} from './api.js';
 import {featureTags, thumbnail} from './captures_page.js';
-import {h} from './dom.js';
+import {announce, field, h} from './dom.js';
 import {bytes, count, when} from './format.js';
 import {runForm} from './run_form.js';
 import {runsTable} from './runs_page.js';
@@ -21,6 +21,18 @@ export async function capturePage(hash) {
     }
   }}, 'Delete');
   const problem = h('p.problem', {role: 'alert'});
+  const tags = h('input', {type: 'text', value: capture.tags.join(', '), 'aria-label': 'Tags'});
+  const tagForm = h('form.tag-form', {onsubmit: async (event) => {
+    event.preventDefault();
+    problem.textContent = '';
+    try {
+      const stored = await post(`/api/captures/${hash}/tags`, {tags: tags.value.split(',').map((tag) => tag.trim()).filter(Boolean)});
+      tags.value = stored.tags.join(', ');
+      announce('The tags are stored');
+    } catch (error) {
+      problem.textContent = error.message;
+    }
+  }}, field('Tags', tags, 'separated by commas; nights replay captures by their tag'), h('button', {type: 'submit'}, 'Set tags'));
   const facts = [
     ['file', capture.name], ['frames', count(capture.frame_count)], ['triangles, fullest frame', count(capture.triangles)],
     ['recorded at', `${capture.width}×${capture.height}`], ['size', bytes(capture.size_bytes)],
@@ -31,7 +43,7 @@ export async function capturePage(hash) {
     h('h1', {}, title),
     h('div.capture-head', {}, thumbnail(capture),
       h('div', {}, h('dl.facts.wide', {}, facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))),
-        featureTags(capture.features),
+        featureTags(capture.features), tagForm,
         h('p.actions', {}, h('a.button', {href: `/api/captures/${hash}/file`, download: capture.name}, 'Download'), deletion),
         problem)),
     h('h2', {}, 'New run'),

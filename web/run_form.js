@@ -139,6 +139,7 @@ export function runForm(capture, registry) {
   const reference = h('select', {}, [[512, '512'], [256, '256'], [64, '64 (quick look)'], [0, 'none: no error']]
     .map(([value, label]) => h('option', {value}, label)));
   const lights = h('input', {type: 'number', min: 0, max: 4096, placeholder: 'as recorded'});
+  const text = h('input', {type: 'text', placeholder: 'streaming:surfaces=1..4,msaa:samples=4|16', spellcheck: 'false'});
   const problem = h('p.problem', {role: 'alert'});
   const start = h('button.primary', {type: 'submit'}, 'Start run');
 
@@ -146,6 +147,7 @@ export function runForm(capture, registry) {
     event.preventDefault();
     problem.textContent = '';
     const chosen = entries.flatMap((entry) => entry.read());
+    if (text.value.trim() !== '') chosen.push(text.value.trim());
     if (chosen.length === 0) {
       problem.textContent = 'Choose at least one technique.';
       return;
@@ -176,6 +178,7 @@ export function runForm(capture, registry) {
         field('Repeats', repeat, 'timed runs of each frame; the median counts'),
         field('Reference samples', reference, 'per pixel, for the error'),
         field('Point lights', lights, 'extra ones are placed in the scene'))),
-    h('fieldset', {}, h('legend', {}, 'Techniques'), h('ul.techniques', {}, entries.map((entry) => entry.element))),
+    h('fieldset', {}, h('legend', {}, 'Techniques'), h('ul.techniques', {}, entries.map((entry) => entry.element)),
+      field('Further ones, as on the command line', text, 'name:parameter=value, several with commas; first..last and a|b sweep a parameter')),
     problem, h('p.actions', {}, start));
 }

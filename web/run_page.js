@@ -4,6 +4,7 @@ import {legend, scaleOf} from './colour_scales.js';
 import {ComparisonView} from './comparison_view.js';
 import {announce, field, h, replace} from './dom.js';
 import {count, duration, fixed, techniqueLabel, when} from './format.js';
+import {advisor, costPlot} from './plots.js';
 import {defaultBaseline, executionHistogram, passBars, resultsTable, summarise} from './results_table.js';
 import {frameRange, runSize, statusPill} from './runs_page.js';
 
@@ -33,6 +34,9 @@ class RunPage {
   #facts = h('dl.facts.wide', {});
   #table = h('div', {});
   #passes = h('div', {});
+  #plot;
+  #advisor;
+  #plotTimer = 0;
   #chips = h('div.chips', {role: 'group', 'aria-label': 'What is shown'});
   #legend = h('div', {});
   #files = h('p.files', {});
@@ -66,6 +70,8 @@ class RunPage {
     // The most telling first view is of what is compared, not of the baselines.
     this.#row = Math.max(0, this.#rows.findLastIndex((row) => row.technique !== 'noaa'));
     this.#techniqueSelect.value = this.#row;
+    this.#plot = costPlot(run.id);
+    this.#advisor = advisor(run.id, registry);
     this.element = this.#build();
   }
 
@@ -87,6 +93,7 @@ class RunPage {
         h('a.button', {href: `/api/runs/${run.id}/results.json`, download: `run-${run.id}-results.json`}, 'JSON')),
       this.#table,
       h('details', {}, h('summary', {}, 'Time by pass'), this.#passes),
+      run.request.reference_samples > 0 && [h('h2', {}, 'Cost against error'), this.#plot.element, h('h2', {}, 'Advisor'), this.#advisor.element],
       h('div.section-head', {}, h('h2', {}, 'Images'), h('div.field.frame', {},
         h('label', {}, 'Frame ', this.#frameText, this.#slider)),
       field('technique', this.#techniqueSelect), this.#otherField),
@@ -110,6 +117,7 @@ class RunPage {
   close() {
     this.#stopFollowing();
     this.#view.close();
+    clearTimeout(this.#plotTimer);
     cancelAnimationFrame(this.#drawing);
   }
 
@@ -122,6 +130,13 @@ class RunPage {
     // Many results can come at once; one drawing for all of them.
     cancelAnimationFrame(this.#drawing);
     this.#drawing = requestAnimationFrame(() => this.#draw());
+    this.#refreshPlot(1000);
+  }
+
+  // The service draws it anew from all results, so not for each of them.
+  #refreshPlot(wait) {
+    clearTimeout(this.#plotTimer);
+    if (this.#run.request.reference_samples > 0) this.#plotTimer = setTimeout(() => this.#plot.refresh(), wait);
   }
 
   async #refreshHead() {
@@ -138,6 +153,8 @@ class RunPage {
     announce(`Run ${this.#run.id} ${status.status}`);
     await this.#refreshHead();
     this.#showRun();
+    this.#refreshPlot(0);
+    if (this.#run.request.reference_samples > 0 && status.stored_results > 0) this.#advisor.ask();
   }
 
   #showRun() {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kWidth = 760, kHeight = 460;
 constexpr double kLeft = 74, kRight = 22, kTop = 44, kBottom = 58;
-constexpr double kCharacter = 6.1, kLine = 13;  // of a label in 11 px
+constexpr double kCharacter = 6.5, kLine = 13;  // of a label in 11 px
 
 // Okabe and Ito's palette, which colour-blind people can tell apart.
 constexpr std::array<std::string_view, 7> kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
@@ -229,6 +229,7 @@ std::string to_svg(const Plot& plot) {
   out += axes(plot, x, y) + front(plot, x, y);
   std::vector<Box> taken;
   std::string marks;
+  bool any_bar = false;
   for (const PlotPoint& point : plot.points) {
     const auto which = static_cast<std::size_t>(std::ranges::find(techniques, point.technique) - techniques.begin());
     const std::string_view colour = kColours[which % kColours.size()];
@@ -238,6 +239,8 @@ std::string to_svg(const Plot& plot) {
       bar = fmt::format("<path d=\"M{0:.1f} {2:.1f}v6M{0:.1f} {3:.1f}H{1:.1f}M{1:.1f} {2:.1f}v6\" stroke=\"{4}\"/>",
                         x.at(point.x_low), x.at(point.x_high), py - 3, py, colour);
     }
+    any_bar = any_bar || !bar.empty();
+    if (!bar.empty()) taken.push_back({x.at(point.x_low), py - 2, x.at(point.x_high), py + 2});
     taken.push_back({px - 6, py - 6, px + 6, py + 6});
     marks += fmt::format("<g class=\"point\"><title>{}: {:.4g}, {:.4g}{}</title>{}{}</g>\n", escape(point.label),
                          point.x, point.y, point.on_front ? ", on the front" : "", bar,
@@ -251,11 +254,15 @@ std::string to_svg(const Plot& plot) {
       if (point.on_front == on_front) texts += labels.place(x.at(point.x), y.at(point.y), point.label);
     }
   }
-  return out + marks + "<g fill=\"currentColor\">\n" + texts + "</g>\n" +
+  return out + marks +
+         fmt::format(
+             "<g class=\"labels\" fill=\"currentColor\" stroke=\"#ffffff\" stroke-width=\"3\" "
+             "paint-order=\"stroke\">\n{}</g>\n",
+             texts) +
          fmt::format(
              "<text x=\"{}\" y=\"22\" text-anchor=\"end\" fill=\"currentColor\" fill-opacity=\".7\">filled: on the "
-             "Pareto front; bars: spread of the repeats</text>\n</svg>\n",
-             kWidth - kRight);
+             "Pareto front{}</text>\n</svg>\n",
+             kWidth - kRight, any_bar ? "; bars: spread of the repeats" : "");
 }
 
 }  // namespace subpixel::replay

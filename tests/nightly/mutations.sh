@@ -46,7 +46,7 @@ build() {
 night() {
   local code=0
   $run "$subpixel" nightly --config "$config" --data "$folder/data" --json "$folder/$1.json" --markdown "$folder/$1.md" \
-    2>"$folder/$1.log" || code=$?
+    >/dev/null 2>"$folder/$1.log" || code=$?
   echo "$code"
 }
 
@@ -61,6 +61,7 @@ print(f"{cells} of {len(night['cells'])} cells: " + ', '.join(f'{g} {n}' for g, 
 PY
 }
 
+rm -rf "$folder/data"
 copy_sources
 build
 say "baseline"

@@ -1,0 +1,150 @@
+// Nights, their cells and baselines over HTTP.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/api.hpp"
+#include "server/http_error.hpp"
+#include "server/json_document.hpp"
+#include "server/nightly/summaries.hpp"
+
+namespace subpixel::server {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::int64_t kMaxListed = 200;
+
+// A night in the list: how it ended, without what it measured.
+json short_json(const NightRecord& night) {
+  json document = to_json(night);
+  document.erase("captures");
+  document.erase("cells");
+  return document;
+}
+
+const NightCell* find_cell(const NightRecord& night, const std::string& capture, const std::string& technique) {
+  for (const NightCell& cell : night.cells) {
+    if (cell.technique == technique && night.captures.at(cell.capture).name == capture) return &cell;
+  }
+  return nullptr;
+}
+
+json frames_json(const NightCell* tonight, const NightCell* baseline) {
+  std::map<std::uint32_t, json> frames;
+  const auto entry = [&](std::uint32_t frame) -> json& {
+    json& document = frames[frame];
+    if (document.is_null()) {
+      document = {{"frame", frame}, {"tonight", nullptr}, {"baseline", nullptr}, {"difference", nullptr}};
+    }
+    return document;
+  };
+  if (tonight != nullptr) {
+    for (const NightFrame& frame : tonight->frames) {
+      json& document = entry(frame.result.frame);
+      document["tonight"] = replay::to_json(frame.result);
+      if (!frame.difference.empty()) document["difference"] = frame.difference;
+    }
+  }
+  if (baseline != nullptr) {
+    for (const NightFrame& frame : baseline->frames) {
+      entry(frame.result.frame)["baseline"] = replay::to_json(frame.result);
+    }
+  }
+  json list = json::array();
+  for (auto& frame : frames) list.push_back(std::move(frame.second));
+  return list;
+}
+
+}  // namespace
+
+void Api::route_nights(HttpServer& http) {
+  http.Get("/api/nights", [this](const Request& request, Response& response) { list_nights(request, response); });
+  http.Get("/api/nights/([0-9]{1,18})", [this](const Request& request, Response& response) {
+    response.set_header("Cache-Control", "no-store");
+    write_json(response, 200, to_json(find_night(request.matches[1])));
+  });
+  http.Get("/api/nights/([0-9]{1,18})/summary\\.(md|xml)", [this](const Request& request, Response& response) {
+    const NightRecord night = find_night(request.matches[1]);
+    const bool markdown = request.matches[2] == "md";
+    response.set_header("Cache-Control", "no-store");
+    response.set_header("Content-Disposition",
+                        fmt::format("inline; filename=\"night-{}.{}\"", night.id, request.matches[2].str()));
+    if (markdown) return response.set_content(to_markdown(night), "text/markdown; charset=utf-8");
+    response.set_content(to_junit(night), "application/xml; charset=utf-8");
+  });
+  http.Get("/api/nights/([0-9]{1,18})/cells/([0-9]{1,18})", [this](const Request& request, Response& response) {
+    send_cell(find_night(request.matches[1]), parse_id(request.matches[2]), response);
+  });
+  http.Get("/api/baselines", [this](const Request&, Response& response) {
+    json list = json::array();
+    for (const BaselineRecord& baseline : store_.baselines()) {
+      list.push_back({{"name", baseline.name}, {"night", baseline.night}, {"set_utc", baseline.set_utc}});
+    }
+    response.set_header("Cache-Control", "no-store");
+    write_json(response, 200, {{"baselines", list}});
+  });
+  http.Post("/api/baselines", [this](const Request& request, Response& response, const httplib::ContentReader& read) {
+    post_baseline(request, response, read);
+  });
+}
+
+NightRecord Api::find_night(const std::string& id) const {
+  std::optional<NightRecord> night = store_.night(parse_id(id), false);
+  if (!night) throw HttpError(404, "there is no such night", "none has this number", id);
+  return *std::move(night);
+}
+
+void Api::list_nights(const Request& request, Response& response) const {
+  const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListed, 30));
+  const std::int64_t before = query_number(request, "before", 1, INT64_MAX, 0);
+  const std::vector<NightRecord> nights = store_.nights(limit + 1, before, request.get_param_value("name"));
+  json list = json::array();
+  for (std::size_t i = 0; i < nights.size() && i < limit; ++i) list.push_back(short_json(nights[i]));
+  // One more than asked for was read, so that a full last page is not followed by an empty one.
+  const json next = nights.size() > limit ? json(nights[limit - 1].id) : json(nullptr);
+  response.set_header("Cache-Control", "no-store");
+  write_json(response, 200, {{"nights", list}, {"next_before", next}});
+}
+
+void Api::send_cell(const NightRecord& night, std::int64_t cell, Response& response) const {
+  const auto found = std::ranges::find(night.cells, cell, &NightCell::id);
+  if (found == night.cells.end()) {
+    throw HttpError(404, "there is no such cell", "none of this night has this number", std::to_string(cell));
+  }
+  const std::string capture = night.captures.at(found->capture).name;
+  const std::optional<NightCell> tonight = store_.night_cell(found->id);
+  std::optional<NightCell> before;
+  if (night.baseline_night) {
+    if (const std::optional<NightRecord> baseline = store_.night(*night.baseline_night, false)) {
+      const NightCell* counterpart = find_cell(*baseline, capture, found->technique);
+      if (counterpart != nullptr) before = store_.night_cell(counterpart->id);
+    }
+  }
+  json document = {{"id", found->id},
+                   {"capture", capture},
+                   {"technique", found->technique},
+                   {"status", to_text(found->status)},
+                   {"gates", to_json(found->gates)},
+                   {"time", to_json(found->time)},
+                   {"baseline_time", before ? to_json(before->time) : json(nullptr)},
+                   {"frames", frames_json(tonight ? &*tonight : nullptr, before ? &*before : nullptr)}};
+  response.set_header("Cache-Control", "no-store");
+  write_json(response, 200, document);
+}
+
+void Api::post_baseline(const Request& request, Response& response, const httplib::ContentReader& read) {
+  const std::string what = "baseline";
+  const json document = parse_json_document(read_json_body(request, read, "the baseline"), what, "the body");
+  const replay::JsonField top(document, what);
+  check_names(top, {"name", "night"}, what, "top level");
+  const std::string name = top.member("name").text();
+  if (name.empty() || name.size() > 100) top.member("name").fail("expected a name of 1 to 100 bytes");
+  const std::uint32_t night = top.member("night").u32();
+  if (!store_.set_baseline(name, night)) {
+    throw HttpError(404, "there is no such night", "none that has ended has this number", std::to_string(night));
+  }
+  write_json(response, 200, {{"name", name}, {"night", night}});
+}
+
+}  // namespace subpixel::server

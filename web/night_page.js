@@ -1,0 +1,163 @@
+// One night as a grid, captures by techniques. A cell opens what was judged, and the baseline's image beside tonight's.
+import {blobUrl, get, post} from './api.js';
+import {ComparisonView} from './comparison_view.js';
+import {legend} from './colour_scales.js';
+import {announce, field, h, replace} from './dom.js';
+import {bytes, count, fixed, scientific, significant, when} from './format.js';
+import {countsText, nightLength} from './nights_page.js';
+import {statusPill} from './runs_page.js';
+
+const marks = {passed: '✓', failed: '✕', missing: '∅', new: '+', unjudged: '·'};
+const differenceScale = {map: 'magma', maximum: 0.25, description: 'largest absolute difference of the sRGB channels to the baseline', unit: ''};
+
+export async function nightPage(id) {
+  const night = await get(`/api/nights/${id}`);
+  const {baselines} = await get('/api/baselines');
+  const page = new NightPage(night, baselines);
+  return {element: page.element, title: `Night ${id}`, close: () => page.close()};
+}
+
+class NightPage {
+  #night;
+  #baselines;
+  #view = new ComparisonView();
+  #grid = h('div', {});
+  #cell = h('section.night-cell', {'aria-live': 'polite'});
+  #approval = h('span', {});
+  #open = null;
+
+  constructor(night, baselines) {
+    this.#night = night;
+    this.#baselines = baselines;
+    this.#drawApproval();
+    this.#drawGrid();
+    const machine = night.captures.find((capture) => capture.head)?.head;
+    const facts = [
+      ['started', when(night.started_utc)], ['took', nightLength(night)], ['build', night.build],
+      ['compared with', night.baseline_night ? [`${night.baseline}, `, h('a', {href: `#/nights/${night.baseline_night}`}, `night ${night.baseline_night}`)] : `nothing: ${night.baseline} is not approved yet`],
+      machine && ['driver', machine.driver_version], machine && ['CPU', machine.cpu_model],
+    ].filter(Boolean);
+    this.element = h('section.night-page', {},
+      h('p.crumbs', {}, h('a', {href: '#/nights'}, 'Nights')),
+      h('h1', {}, `Night ${night.id}`, h('span.quiet', {}, ` ${night.name}`)),
+      h('div.progress', {}, statusPill(night.status), h('span', {}, countsText(night.counts)), h('span.spacer', {}), this.#approval,
+        night.reason && h('p.problem', {}, night.reason)),
+      h('dl.facts.wide', {}, facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))),
+      h('div.section-head', {}, h('h2', {}, 'Captures by techniques'), h('span.spacer', {}),
+        h('a.button', {href: `/api/nights/${night.id}/summary.md`, download: `night-${night.id}.md`}, 'Markdown'),
+        h('a.button', {href: `/api/nights/${night.id}/summary.xml`, download: `night-${night.id}.xml`}, 'JUnit'),
+        h('a.button', {href: `/api/nights/${night.id}`, download: `night-${night.id}.json`}, 'JSON')),
+      this.#grid,
+      h('p.quiet.note', {}, '✓ as the baseline, ✕ a gate failed, + not in the baseline, ∅ only in the baseline'),
+      this.#cell);
+  }
+
+  close() {
+    this.#view.close();
+  }
+
+  #drawApproval() {
+    const {id, baseline, status} = this.#night;
+    const holder = this.#baselines.find((candidate) => candidate.name === baseline);
+    if (status === 'running' || status === 'interrupted') return replace(this.#approval);
+    if (holder?.night === id) return replace(this.#approval, h('span.label', {}, `baseline ${baseline}`));
+    replace(this.#approval, h('button', {type: 'button', onclick: async () => {
+      if (!confirm(`Approve night ${id}? Later nights are then compared with it.`)) return;
+      try {
+        await post('/api/baselines', {name: baseline, night: id});
+        this.#baselines = (await get('/api/baselines')).baselines;
+        announce(`Night ${id} is the baseline ${baseline}`);
+      } catch (error) {
+        announce(error.message);
+      }
+      this.#drawApproval();
+    }}, `Approve as ${baseline}`));
+  }
+
+  #drawGrid() {
+    const {captures, cells} = this.#night;
+    const techniques = [...new Set(cells.map((cell) => cell.technique))];
+    const at = new Map(cells.map((cell) => [`${cell.capture}\n${cell.technique}`, cell]));
+    replace(this.#grid, h('div.scroll', {}, h('table.grid', {},
+      h('thead', {}, h('tr', {}, h('td', {}), techniques.map((technique) => h('th', {scope: 'col'}, h('span', {}, technique))))),
+      h('tbody', {}, captures.map((capture) => h('tr', {},
+        h('th', {scope: 'row', title: capture.problem || capture.source}, capture.name, capture.problem && h('span.problem', {}, ' !')),
+        techniques.map((technique) => {
+          const cell = at.get(`${capture.name}\n${technique}`);
+          if (!cell) return h('td', {});
+          const failed = cell.gates.filter((gate) => gate.outcome === 'failed').map((gate) => gate.gate);
+          return h('td', {}, h(`button.cell.${cell.status}`, {
+            type: 'button', 'aria-pressed': 'false', 'aria-label': `${capture.name}, ${technique}: ${cell.status}`,
+            title: `${capture.name}\n${technique}\n${cell.status}${failed.length > 0 ? `: ${failed.join(', ')}` : ''}`,
+            onclick: (event) => this.#show(cell, event.currentTarget),
+          }, marks[cell.status]));
+        })))))));
+  }
+
+  async #show(cell, button) {
+    this.#grid.querySelectorAll('.cell[aria-pressed="true"]').forEach((other) => other.setAttribute('aria-pressed', 'false'));
+    button.setAttribute('aria-pressed', 'true');
+    this.#open = cell.id;
+    let details;
+    try {
+      details = await get(`/api/nights/${this.#night.id}/cells/${cell.id}`);
+    } catch (error) {
+      return replace(this.#cell, h('p.problem', {role: 'alert'}, error.message));
+    }
+    if (this.#open !== cell.id) return;  // another cell was opened meanwhile
+    const frames = h('select', {onchange: () => draw(details.frames[Number(frames.value)])},
+      details.frames.map((frame, i) => h('option', {value: i}, `${frame.frame}${frame.difference ? ', differs' : ''}`)));
+    const pictures = h('div.pictures', {});
+    const figures = h('div', {});
+    const scale = h('div', {});
+    const draw = (frame) => {
+      replace(pictures, picture('baseline', frame?.baseline?.images.image, 'The baseline does not have it.'),
+        picture('tonight', frame?.tonight?.images.image, 'It was not replayed.'),
+        picture('difference', frame?.difference, frame?.tonight && frame?.baseline ? 'The images are equal.' : 'There is nothing to compare.'));
+      replace(scale, frame?.difference && legend(differenceScale));
+      replace(figures, frame && figuresTable(frame.baseline, frame.tonight));
+      const [before, now] = [frame?.baseline, frame?.tonight].map((result) => result?.images.image);
+      this.#view.element.hidden = !(before && now);
+      if (before && now) this.#view.show({url: blobUrl(before), label: 'baseline'}, {url: blobUrl(now), label: 'tonight'});
+    };
+    replace(this.#cell,
+      h('div.section-head', {}, h('h2', {}, `${details.capture}, ${details.technique}`), statusPill(details.status),
+        details.frames.length > 1 && field('frame', frames)),
+      gatesTable(details.gates), pictures, scale, figures, this.#view.element);
+    // The first frame that differs says most.
+    const first = Math.max(0, details.frames.findIndex((frame) => frame.difference));
+    frames.value = first;
+    draw(details.frames[first]);
+    this.#cell.scrollIntoView({block: 'nearest'});
+  }
+}
+
+function picture(title, blob, absent) {
+  return h('figure', {}, h('figcaption', {}, title),
+    blob ? h('a', {href: blobUrl(blob)}, h('img', {src: blobUrl(blob), alt: title})) : h('div.none', {}, absent));
+}
+
+function gatesTable(gates) {
+  return h('div.scroll', {}, h('table.gates', {}, h('thead', {}, h('tr', {}, ['Gate', 'Outcome', 'Why'].map((name) => h('th', {scope: 'col'}, name)))),
+    h('tbody', {}, gates.map((gate) => h('tr', {},
+      h('th', {scope: 'row'}, gate.gate), h('td', {}, statusPill(gate.outcome)), h('td', {}, gate.detail))))));
+}
+
+const figures = [
+  ['fitted bytes per pixel', (r) => significant(r.memory.fitted_bytes_per_pixel, 5)],
+  ['allocated', (r) => bytes(r.memory.allocated_bytes)],
+  ['lighting executions', (r) => count(r.shading.executions)],
+  ['ms', (r) => fixed(r.ms.total, 2)],
+  ['MSE', (r) => scientific(r.error.mse ?? NaN)],
+  ['FLIP, mean', (r) => fixed(r.error.flip_mean ?? NaN, 5)],
+];
+
+function figuresTable(before, now) {
+  const counters = [...new Set([before, now].flatMap((result) => Object.keys(result?.counters ?? {})))];
+  const rows = [...figures, ...counters.map((name) => [name, (r) => count(r.counters[name])])].map(([name, text]) =>
+    [name, before ? text(before) : '–', now ? text(now) : '–']);
+  return h('details', {}, h('summary', {}, 'Figures of this frame'), h('div.scroll', {}, h('table', {}, h('thead', {}, h('tr', {},
+    h('th', {scope: 'col'}, ''), h('th.number', {scope: 'col'}, 'Baseline'), h('th.number', {scope: 'col'}, 'Tonight'))),
+  h('tbody', {}, rows.map(([name, a, b]) => h('tr', {class: a === b ? '' : 'differs'},
+    h('th', {scope: 'row'}, name), h('td.number', {}, a), h('td.number', {}, b)))))));
+}
