@@ -5,6 +5,8 @@
 //   fail_at, how        before result number fail_at (from 0, skipped ones counted): see misbehave()
 //   log                 a file that gets a line "frame/technique" for each result measured
 //   width, height       of the images; 0: as asked for
+//   tweak               a file; while it is there, its JSON object changes what one technique measures: `technique`,
+//                       `slower` (factor), `executions` (added), `mse` (factor), `pixel` (added to the first one)
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -121,8 +123,15 @@ replay::ResultsHead make_head(const replay::ReplayJob& job, const std::string& t
   return head;
 }
 
+json tweak_of(const json& fake, const std::string& technique) {
+  std::ifstream file(fake.value("tweak", ""));
+  if (!file) return json::object();
+  json tweak = json::parse(file);
+  return tweak.value("technique", technique) == technique ? tweak : json::object();
+}
+
 replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t frame, std::uint32_t index,
-                                std::uint32_t width, std::uint32_t height) {
+                                std::uint32_t width, std::uint32_t height, const json& tweak) {
   const replay::TechniqueRequest& request = job.options.techniques[index];
   replay::FrameResult result;
   result.frame = frame;
@@ -135,7 +144,10 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
   const std::uint64_t pixels = std::uint64_t{width} * height;
   result.ms.passes = {
       {"set-up", 2.5}, {"geometry", 20.0 + 4 * result.samples + frame}, {"shade", 11.0 * result.samples}};
-  for (const auto& pass : result.ms.passes) result.ms.total_ms += pass.median_ms;
+  for (auto& pass : result.ms.passes) {
+    pass.median_ms *= tweak.value("slower", 1.0);
+    result.ms.total_ms += pass.median_ms;
+  }
   result.ms.spread_ms = 1.25;
   result.ms.cold_ms = 400;
   result.memory.paper_bytes_per_pixel = 20.0 * result.samples;
@@ -143,15 +155,16 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
   result.memory.paper_bytes = 20 * result.samples * pixels;
   result.memory.fitted_bytes = 16 * result.samples * pixels;
   result.memory.allocated_bytes = result.memory.paper_bytes + 4096;
-  result.shading.executions = pixels * result.samples;
+  result.shading.executions = pixels * result.samples + tweak.value("executions", 0u);
   result.shading.per_pixel_mean = result.samples;
   result.shading.histogram = {pixels / 4, pixels - pixels / 4};
   if (job.options.reference_samples > 0) {
-    result.error.mse = 1e-3 / result.samples;
+    result.error.mse = 1e-3 / result.samples * tweak.value("mse", 1.0);
     result.error.psnr_db = -10 * std::log10(result.error.mse);
   }
   const std::string stem = "f" + std::to_string(frame) + "-" + std::to_string(index);
-  const std::vector<std::uint8_t> image = render(width, height, frame, static_cast<int>(result.samples));
+  std::vector<std::uint8_t> image = render(width, height, frame, static_cast<int>(result.samples));
+  image[0] = static_cast<std::uint8_t>(image[0] + tweak.value("pixel", 0));
   const auto write = [&](const std::string& role, const std::vector<std::uint8_t>& rgb) {
     // As with the real worker, a frame's techniques share the file of its reference, which is written once.
     const bool shared = role == "reference";
@@ -220,7 +233,8 @@ int work(const std::string& job_path) {
            {"total", total},
            {"detail", "frame " + std::to_string(frame) + " " + job.options.techniques[index].technique}});
       std::this_thread::sleep_for(std::chrono::milliseconds(thumbnail ? 0 : fake.value("result_ms", 0)));
-      json result = replay::to_json(make_result(job, frame, index, width, height));
+      const json tweak = tweak_of(fake, job.options.techniques[index].technique);
+      json result = replay::to_json(make_result(job, frame, index, width, height, tweak));
       if (fail_at == static_cast<int>(done) && how == "escape") result["images"]["image"] = "../job.json";
       if (fail_at == static_cast<int>(done) && how == "foreign") result["frame"] = 4000;
       if (fake.contains("log") && !thumbnail) {
