@@ -154,7 +154,8 @@ class RunPage {
     await this.#refreshHead();
     this.#showRun();
     this.#refreshPlot(0);
-    if (this.#run.request.reference_samples > 0 && status.stored_results > 0) this.#advisor.ask();
+    // The form's first budget is one of FLIP.
+    if (this.#rows.some((row) => [...row.results.values()].some((result) => Number.isFinite(result.error.flip_mean)))) this.#advisor.ask();
   }
 
   #showRun() {

@@ -94,9 +94,15 @@ Image read_image(const std::filesystem::path& path) {
 
 Image decode_png(std::string_view bytes) {
   OIIO::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());  // is only read from
-  OIIO::ImageSpec wanted;
+  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create("png");
+  OIIO::ImageSpec wanted, found;
   wanted.attribute("oiio:UnassociatedAlpha", 1);
-  return read_pixels(OIIO::ImageInput::open("memory.png", &wanted, &memory), "PNG in memory");
+  if (!input || !input->set_ioproxy(&memory) || !input->open("memory.png", found, wanted)) {
+    throw InputError("image", input ? input->geterror() : OIIO::geterror(), "PNG in memory");
+  }
+  Image image = read_pixels(input, "PNG in memory");
+  input.reset();  // before what it reads from
+  return image;
 }
 
 std::vector<std::uint8_t> encode_png(const Image& image) {

@@ -139,10 +139,6 @@ CaptureSource read_capture(const JsonField& entry, std::size_t index, const Sett
   } else {
     source.kind = SourceKind::scene;
     source.name = source.scene = entry.member("scene").text();
-    const auto scenes = capture::list_scenes();
-    if (std::ranges::none_of(scenes, [&](const capture::SceneInfo& scene) { return scene.name == source.scene; })) {
-      entry.member("scene").fail("there is no such scene; `subpixel generate --list` names them");
-    }
     if (entry.has("seed")) source.generate.seed = entry.member("seed").u64();
     source.generate.density = share(entry, "density", source.generate.density);
     if (!source.options.frames) source.options.frames = {0, 0};
@@ -152,6 +148,35 @@ CaptureSource read_capture(const JsonField& entry, std::size_t index, const Sett
   }
   if (entry.has("name")) source.name = name_from(entry.member("name"));
   return source;
+}
+
+// "hard_*" names every scene whose name begins so.
+std::vector<std::string> scenes_named(const JsonField& field) {
+  const std::string text = field.text();
+  const bool prefix = text.ends_with('*');
+  const std::string_view start = std::string_view(text).substr(0, text.size() - (prefix ? 1 : 0));
+  std::vector<std::string> names;
+  for (const capture::SceneInfo& scene : capture::list_scenes()) {
+    if (prefix ? scene.name.starts_with(start) : scene.name == start) names.emplace_back(scene.name);
+  }
+  if (names.empty()) field.fail("there is no such scene; `subpixel generate --list` names them");
+  return names;
+}
+
+// The sources of one entry: several for a scene's name with a star.
+std::vector<CaptureSource> read_captures(const JsonField& entry, std::size_t index, const Settings& common,
+                                         const std::filesystem::path& folder) {
+  const CaptureSource source = read_capture(entry, index, common, folder);
+  if (source.kind != SourceKind::scene) return {source};
+  const std::vector<std::string> names = scenes_named(entry.member("scene"));
+  if (names.size() == 1 && names[0] == source.scene) return {source};
+  if (entry.has("name")) entry.member("name").fail("several scenes can't have one name");
+  std::vector<CaptureSource> sources;
+  for (const std::string& name : names) {
+    sources.push_back(source);
+    sources.back().name = sources.back().scene = name;
+  }
+  return sources;
 }
 
 ErrorBound read_bound(const JsonField& field, const std::string& path) {
@@ -220,11 +245,12 @@ NightlyConfig parse_nightly_config(std::string_view text, const std::filesystem:
   const JsonField captures = top.member("captures");
   if (captures.array_size() == 0) captures.fail("expected at least one capture");
   for (std::size_t i = 0; i < captures.array_size(); ++i) {
-    CaptureSource source = read_capture(captures.element(i), i, common, folder);
-    const bool twice =
-        std::ranges::any_of(config.captures, [&](const CaptureSource& other) { return other.name == source.name; });
-    if (twice) captures.element(i).fail(fmt::format("another capture is named {}; give it a name", source.name));
-    config.captures.push_back(std::move(source));
+    for (CaptureSource& source : read_captures(captures.element(i), i, common, folder)) {
+      const bool twice =
+          std::ranges::any_of(config.captures, [&](const CaptureSource& other) { return other.name == source.name; });
+      if (twice) captures.element(i).fail(fmt::format("another capture is named {}; give it a name", source.name));
+      config.captures.push_back(std::move(source));
+    }
   }
   if (top.has("gates")) config.gates = read_gates(top.member("gates"));
   return config;

@@ -193,18 +193,22 @@ class CellJudge {
     Differences differences;
     for (const FramePair& pair : pairs) {
       const std::uint32_t frame = pair.tonight->result.frame;
-      for (const auto& [role, before] : pair.baseline->result.images) {
-        const auto& now = pair.tonight->result.images;
+      const auto& now = pair.tonight->result.images;
+      // The image first: of what differs, the first is told.
+      std::vector<std::pair<std::string, std::string>> before(pair.baseline->result.images.begin(),
+                                                              pair.baseline->result.images.end());
+      std::ranges::stable_partition(before, [](const auto& entry) { return entry.first == "image"; });
+      for (const auto& [role, hash] : before) {
         const auto found = now.find(role);
         if (found == now.end()) {
           differences.add(frame, role + " is not made any more");
-        } else if (role == "image" && found->second != before) {
-          const std::optional<ImageDifference> by = compare(*pair.tonight, before);
+        } else if (role == "image" && found->second != hash) {
+          const std::optional<ImageDifference> by = compare(*pair.tonight, hash);
           const std::string words = by ? fmt::format("{} pixels differ, by up to {:.4f}, mean square {:.2e}",
                                                      by->pixels, by->largest, by->mse)
                                        : std::string("it can't be compared with the baseline's");
           if (same || !by || by->mse > options_.across_image_mse) differences.add(frame, "image: " + words);
-        } else if (same && found->second != before) {
+        } else if (same && found->second != hash) {
           differences.add(frame, role + " is another");
         }
       }
@@ -272,6 +276,13 @@ void judge_cell(NightCell& cell, const NightCapture& capture, const NightCell* b
   const std::string difference = capture_difference(capture, *capture_before);
   if (!difference.empty()) {
     judge.add("capture", GateOutcome::failed, difference);
+    // What it changed can still be looked at.
+    Differences ignored;
+    for (const FramePair& pair : pair_frames(cell, *before, ignored)) {
+      const auto now = pair.tonight->result.images.find("image"), then = pair.baseline->result.images.find("image");
+      if (now == pair.tonight->result.images.end() || then == pair.baseline->result.images.end()) continue;
+      if (now->second != then->second) compare(*pair.tonight, then->second);
+    }
     judge.judge_error({});
     return judge.conclude(true);
   }
@@ -296,7 +307,7 @@ struct Ratio {
 
 // The spread is the distance from the fastest to the slowest repeat, so the interval holds every ratio of two repeats.
 Ratio ratio(const TimeSpan& own, const TimeSpan& reference) {
-  const double least = std::max(reference.ms - reference.spread_ms, 1e-6);
+  const double least = std::max({reference.ms - reference.spread_ms, 0.1 * reference.ms, 1e-6});
   return {own.ms / std::max(reference.ms, 1e-6),
           std::max(own.ms - own.spread_ms, 0.0) / (reference.ms + reference.spread_ms),
           (own.ms + own.spread_ms) / least};

@@ -1,5 +1,5 @@
 // Starts `subpixel serve` on a free port with a data folder of its own, and makes captures for it.
-import {execFileSync, spawn} from 'node:child_process';
+import {execFileSync, spawn, spawnSync} from 'node:child_process';
 import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
@@ -36,6 +36,15 @@ export class Service {
       execFileSync(this.binary, ['generate', 'spheres', path, '--frames', String(behaviour.frames), '--size', '160x90', '--seed', '7']);
     }
     return path;
+  }
+
+  /** Runs a night beside the service; `config` is its configuration. Returns the exit code. */
+  nightly(config) {
+    const path = join(this.folder, 'nightly.json');
+    writeFileSync(path, JSON.stringify(config));
+    const worker = this.fakeWorker ? ['--worker-program', this.fakeWorker] : [];
+    return spawnSync(this.binary, ['nightly', '--config', path, '--data', join(this.folder, 'data'), ...worker],
+      {stdio: ['ignore', 'ignore', 'ignore']}).status;
   }
 
   async stop() {

@@ -155,6 +155,32 @@ const tests = [
     assert.ok(await page.locator('.pass-bar span').count() >= 3);
   }],
 
+  ['cost against error is plotted with its front, and can be taken away', async () => {
+    await page.locator('.plot[data-drawn="time mse"] svg .point').nth(2).waitFor();
+    assert.equal(await page.locator('.plot svg .point').count(), 3);
+    await page.locator('.plot svg .front').waitFor({state: 'attached'});
+    assert.match(await page.locator('.plot').innerText(), /msaa 8x/);
+    await page.getByRole('button', {name: 'memory', exact: true}).click();
+    await page.locator('.plot[data-drawn="memory mse"]').waitFor();
+    for (const [link, file] of [['SVG', /memory-mse\.svg$/], ['Points as CSV', /points\.csv$/], ['Points as Markdown', /points\.md$/]]) {
+      const download = page.waitForEvent('download');
+      await page.getByRole('link', {name: link, exact: true}).click();
+      assert.match((await download).suggestedFilename(), file);
+    }
+    await shot('plot');
+  }],
+
+  ['the advisor names the cheapest settings with runner-up and reason', async () => {
+    await page.getByLabel('FLIP, mean').fill('');
+    await page.getByLabel('MSE', {exact: true}).fill('1');
+    await page.getByRole('button', {name: 'Advise'}).click();
+    await page.getByText('3 of 3 measured settings are within the budget').waitFor();
+    assert.equal(await page.locator('.advice > li').count(), 3);
+    assert.match(await page.locator('.advice > li').first().innerText(), /Least memory.*noaa.*Then.*msaa/is);
+    await page.locator('.advice summary').first().click();
+    assert.match(await page.locator('.advice > li').first().innerText(), /worst frame: MSE/);
+  }],
+
   ['the wipe shows the image on one side and the reference on the other', async () => {
     await page.getByRole('button', {name: 'Image ⇔ reference'}).click();
     await page.locator('.view-label.left').getByText('msaa').waitFor();
@@ -236,6 +262,53 @@ const tests = [
     await page.locator('.pill.failed').waitFor({timeout});
     assert.match(await page.locator('.progress .problem').innerText(), /exit code 4.*lost the device/);
     await shot('run-failed');
+  }],
+
+  ['a sweep in the form\'s text makes one row for each of its points', async () => {
+    await page.goto(`${service.url}/#/`);
+    await page.locator('.cover').last().click();
+    await page.getByRole('heading', {name: 'New run'}).waitFor();
+    await techniqueOf('msaa').locator('.technique-name').click();
+    await page.getByLabel('Further ones').fill('msaa:samples=4|8');
+    await page.getByLabel('Last frame').fill('0');
+    await page.getByLabel('Reference samples').selectOption('0');
+    await page.getByRole('button', {name: 'Start run'}).click();
+    await page.locator('.results tbody tr').nth(2).waitFor();
+    assert.equal(await page.locator('.results tbody tr').count(), 3);
+    await page.locator('.pill.done').waitFor({timeout});
+    assert.equal(await page.locator('.plot').count(), 0, 'without a reference there is no error to plot');
+  }],
+
+  ['a night is a grid, and a failed cell opens baseline, tonight and difference', async () => {
+    // The second night replays another scene under the same name, as if a change of code had changed it.
+    const config = (scene) => ({name: 'browser', techniques: 'noaa,msaa:samples=4', size: [64, 36], reference_samples: 16, repeat: 1,
+      captures: [service.fakeWorker ? {path: service.capture('night.spcap', {frames: 1, title: scene, width: scene === 'cube' ? 64 : 65}), name: 'shape'} : {scene, name: 'shape'}]});
+    assert.equal(service.nightly(config('cube')), 0);
+    await page.getByRole('link', {name: 'Nights'}).click();
+    await page.locator('.nights tbody tr').waitFor();
+    await page.locator('.nights tbody a').first().click();
+    await page.locator('.cell.new').first().waitFor();
+    assert.equal(await page.locator('.cell').count(), 2);
+    page.once('dialog', (dialog) => dialog.accept());
+    await page.getByRole('button', {name: 'Approve as browser'}).click();
+    await page.locator('.label', {hasText: 'baseline browser'}).waitFor();
+
+    assert.equal(service.nightly(config('cube')), 0);
+    assert.equal(service.nightly(config('spheres')), 1);
+    await page.getByRole('link', {name: 'Nights'}).first().click();
+    await page.locator('.nights tbody tr').nth(2).waitFor();
+    assert.match(await page.locator('.nights').innerText(), /failed[\s\S]*2 failed[\s\S]*passed[\s\S]*2 passed/);
+    await page.locator('.nights tbody a').first().click();
+    await page.locator('.cell.failed').first().click();
+    await page.locator('.pictures img').first().waitFor();
+    assert.match(await page.locator('.gates').innerText(), /capture\s+failed/);
+    if (!service.fakeWorker) {
+      assert.deepEqual(await page.locator('.pictures img').evaluateAll((images) => images.map((image) => image.alt)), ['baseline', 'tonight', 'difference']);
+      await page.waitForFunction(() => [...document.querySelectorAll('.pictures img')].every((image) => image.naturalWidth === 64));
+      assert.equal(new Set(await page.locator('.pictures img').evaluateAll((images) => images.map((image) => image.src))).size, 3);
+    }
+    await page.locator('.view[data-shown]').waitFor();
+    await shot('night');
   }],
 
   ['nothing went wrong on the pages meanwhile', async () => {

@@ -112,7 +112,7 @@ TEST_F(Runs, BrokenJsonIsNamedByLineAndColumn) {
   EXPECT_EQ(where("{\"a\":1,}"), "line 1, column 8");
   EXPECT_EQ(where(""), "line 1, column 1");
   EXPECT_EQ(where("{\"a\": \"\xff\"}"), "line 1, column 8");
-  EXPECT_EQ(where(std::string(500'000, '[')), "body") << "nesting is bounded";
+  EXPECT_EQ(where(std::string(500'000, '[')), "the body") << "nesting is bounded";
   EXPECT_EQ(where("[]"), "top level");
 }
 
@@ -166,7 +166,8 @@ TEST_F(Runs, UnknownTechniquesAndParametersNameTheValidOnes) {
   why({{"technique", "msaa"}, {"parameters", {{"samples", nullptr}}}});
   why({{"technique", "msaa"}, {"param", 1}});
   why({{"technique", std::string(100'000, 'x')}});
-  why("msaa");
+  why("msaaa");
+  why(7);
 }
 
 TEST_F(Runs, UnknownCaptureAndWrongTypeOfBody) {

@@ -36,6 +36,15 @@ Image gradient(std::uint32_t width, std::uint32_t height, std::uint32_t channels
   return image;
 }
 
+TEST(Png, ComesBackFromMemory) {
+  const Image image = gradient(7, 5, 3, Encoding::display);
+  const std::vector<std::uint8_t> bytes = encode_png(image);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  EXPECT_EQ(decode_png(text).pixels, image.pixels);
+  EXPECT_THROW(decode_png("no picture"), InputError);
+  EXPECT_THROW(decode_png(text.substr(0, text.size() / 2)), InputError);
+}
+
 TEST(Srgb, KnownPairs) {
   // 0.5 display is 0.21404 linear; the two parts of the curve meet at 0.04045 (IEC 61966-2-1).
   EXPECT_NEAR(srgb_decode(0.5F), 0.214041F, 1e-6);

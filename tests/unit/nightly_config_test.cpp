@@ -69,6 +69,20 @@ TEST(NightlyConfig, CapturesInheritAndOverride) {
   EXPECT_FALSE(config.captures[2].options.frames.has_value()) << "all frames";
 }
 
+TEST(NightlyConfig, AStarNamesAllScenesThatBeginSo) {
+  json document = minimal();
+  document["captures"] = {{{"scene", "streaming_*"}, {"size", {64, 48}}}, {{"scene", "cube"}}};
+  const NightlyConfig config = parse(document);
+  ASSERT_EQ(config.captures.size(), 5U);
+  EXPECT_EQ(config.captures[0].name, "streaming_normals");
+  EXPECT_EQ(config.captures[3].scene, "streaming_angle");
+  EXPECT_EQ(config.captures[3].generate.width, 64U);
+  document["captures"] = {{{"scene", "streaming_*"}, {"name", "one"}}};
+  EXPECT_THROW(parse(document), InputError);
+  document["captures"] = {{{"scene", "nothing_*"}}};
+  EXPECT_THROW(parse(document), InputError);
+}
+
 TEST(NightlyConfig, GatesAreRead) {
   json document = minimal();
   document["gates"] = {{"images", false},
