@@ -183,13 +183,18 @@ void Api::send_plots(const Request& request, Response& response) const {
   const std::string kind = request.matches[2];
   const std::vector<replay::Summary> summaries = replay::summarise(measured(run));
   response.set_header("Cache-Control", "no-store");
-  response.set_header("Content-Disposition", fmt::format("inline; filename=\"run-{}-{}\"", run.id, kind));
+  const auto name_file = [&](const std::string& name) {
+    response.set_header("Content-Disposition", fmt::format("inline; filename=\"run-{}-{}\"", run.id, name));
+  };
+  if (kind != "plot.svg") name_file(kind);
   if (kind == "points.csv") return response.set_content(replay::points_csv(summaries), "text/csv; charset=utf-8");
   if (kind == "points.md") {
     return response.set_content(replay::points_markdown(summaries), "text/markdown; charset=utf-8");
   }
   const auto cost = static_cast<replay::PlotCost>(query_choice(request, "cost", replay::kPlotCosts));
   const auto error = static_cast<replay::PlotError>(query_choice(request, "error", replay::kPlotErrors));
+  name_file(fmt::format("{}-{}.svg", replay::kPlotCosts[static_cast<std::size_t>(cost)],
+                        replay::kPlotErrors[static_cast<std::size_t>(error)]));
   response.set_content(replay::to_svg(replay::make_plot(summaries, cost, error)), "image/svg+xml");
 }
 

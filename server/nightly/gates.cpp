@@ -279,8 +279,9 @@ void judge_cell(NightCell& cell, const NightCapture& capture, const NightCell* b
     // What it changed can still be looked at.
     Differences ignored;
     for (const FramePair& pair : pair_frames(cell, *before, ignored)) {
-      const auto now = pair.tonight->result.images.find("image"), then = pair.baseline->result.images.find("image");
-      if (now == pair.tonight->result.images.end() || then == pair.baseline->result.images.end()) continue;
+      const auto& after = pair.tonight->result.images;
+      const auto now = after.find("image"), then = pair.baseline->result.images.find("image");
+      if (now == after.end() || then == pair.baseline->result.images.end()) continue;
       if (now->second != then->second) compare(*pair.tonight, then->second);
     }
     judge.judge_error({});
