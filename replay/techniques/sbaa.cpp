@@ -42,17 +42,17 @@ gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const FrameSetup& setup) 
   gpu::Buffer& faces =
       recorder.buffer("triangle faces", frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 8);
   constexpr std::uint32_t kRow = 1024;  // workgroups of 64 in x
-  const auto groups = static_cast<std::uint32_t>((frontend.hull_count() + 63) / 64);
+  const auto groups = static_cast<std::uint32_t>((frontend.hull_triangles() + 63) / 64);
   struct {
     std::uint64_t hulls, records, positions, indices, instances, faces;
-    std::uint32_t hull_count, row;
+    std::uint32_t hull_triangles, row;
   } const push{frontend.hull_indices().address(),
                frontend.records().address(),
                scene.positions.address(),
                scene.indices.address(),
                scene.instances.address(),
                faces.address(),
-               static_cast<std::uint32_t>(frontend.hull_count()),
+               static_cast<std::uint32_t>(frontend.hull_triangles()),
                64 * kRow};
   gpu::ComputePass pass;
   pass.name = "normals";

@@ -26,15 +26,15 @@ layout(push_constant, scalar) uniform Push {
   Indices indices;
   Instances instances;
   Faces faces;
-  uint hull_count;
+  uint hull_triangles;
   uint row;  // invocations in x
   float largest_polar;
 } push;
 
 void main() {
   uint hull = gl_GlobalInvocationID.y * push.row + gl_GlobalInvocationID.x;
-  if (hull >= push.hull_count) return;
-  uint record = push.hulls.index[3u * hull] / 3u;
+  if (hull >= push.hull_triangles) return;
+  uint record = push.hulls.index[3u * hull] / 4u;
   uvec4 source = push.records.record[record].hull2_id;
   uint flags = push.records.record[record].v2_ref.w;
   InstanceRecord instance = push.instances.instance[source.w];

@@ -22,14 +22,14 @@ layout(push_constant, scalar) uniform Push {
   Indices indices;
   Instances instances;
   Faces faces;
-  uint hull_count;
+  uint hull_triangles;
   uint row;  // invocations in x
 } push;
 
 void main() {
   uint hull = gl_GlobalInvocationID.y * push.row + gl_GlobalInvocationID.x;
-  if (hull >= push.hull_count) return;
-  uint record = push.hulls.index[3u * hull] / 3u;
+  if (hull >= push.hull_triangles) return;
+  uint record = push.hulls.index[3u * hull] / 4u;
   uvec4 hull2_id = push.records.record[record].hull2_id;
   uint flags = push.records.record[record].v2_ref.w;
   vec2 slopes = uintBitsToFloat(push.records.record[record].depth.yz);
