@@ -107,7 +107,7 @@ void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   const std::uint32_t tiles =
       ((setup.width + LINK_TILE - 1) / LINK_TILE) * ((setup.height + LINK_TILE - 1) / LINK_TILE);
   const std::uint32_t sums = allocation(setup) == LINK_ALLOCATE_LARGEST ? tiles * setup.samples : tiles;
-  gpu::Buffer& needed = recorder.buffer("blocks by tile", (std::uint64_t{sums} + 1) * 8);
+  gpu::Buffer& needed = recorder.buffer("blocks by tile", (std::uint64_t{sums} + 1) * 16);
   gpu::Image& leaders = map_image(recorder, setup, "leaders");
   gpu::RasterPass find = fullscreen_pass(setup, kLink, "techniques/linked_list/leaders.frag");
   find.pipeline.targets.colours = {leaders.description().format};

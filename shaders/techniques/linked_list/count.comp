@@ -8,7 +8,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint SAMPLES = 8u;
 #include "techniques/linked_list/leaders.glsl"
 
-layout(set = 0, binding = 2, scalar) writeonly buffer Sums { uvec2 sums[]; };
+layout(set = 0, binding = 2, scalar) writeonly buffer Sums { uvec4 sums[]; };
 
 void main() {
   uvec2 tiles = tile_counts();
@@ -25,5 +25,5 @@ void main() {
       for (uint level = 0u; level < kLevels; ++level) needed[level] += own_level == level ? 1u : 0u;
     }
   }
-  for (uint level = 0u; level < kLevels; ++level) sums[level * tile_count + tile] = uvec2(needed[level], 0u);
+  for (uint level = 0u; level < kLevels; ++level) sums[level * tile_count + tile] = uvec4(needed[level], 0u, 0u, 0u);
 }

@@ -10,7 +10,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint SAMPLES = 8u;
 #include "techniques/linked_list/leaders.glsl"
 
-layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec2 sums[]; };
+layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec4 sums[]; };
 
 void main() {
   uvec2 tiles = tile_counts();
