@@ -28,6 +28,27 @@ TEST(Sbaa, WithoutMergingOrDroppingItShadesWhatForwardDoes) {
   EXPECT_LT(mean_squared_difference(run, forward), 1e-3);
 }
 
+TEST(Sbaa, SurfacesWithAllSamplesAreLitWhereForwardLightsThem) {
+  for (const int samples : {4, 8, 16, 32}) {
+    const TechniqueRun run = sbaa({{"mode", "id"}, {"samples", samples}});
+    const TechniqueRun forward = run_technique(little_grass(), "forward", {{"samples", samples}}, kWidth, kHeight);
+    const TechniqueRun msaa = run_technique(little_grass(), "msaa", {{"samples", samples}}, kWidth, kHeight);
+    std::size_t full = 0, different = 0;
+    for (std::size_t i = 0; i < run.radiance.size(); ++i) {
+      if (forward.radiance[i].w != 1 || msaa.radiance[i].w != static_cast<float>(samples)) continue;
+      ++full;
+      for (int c = 0; c < 3; ++c)
+        if (std::fabs(run.display[i][c] - forward.display[i][c]) > 0.02f) {
+          ++different;
+          break;
+        }
+    }
+    EXPECT_GT(full, run.radiance.size() / 20) << samples;
+    // The stored normal and albedo are rounded, and a shadow's edge may lie between two nearly equal positions.
+    EXPECT_LE(different, full / 100) << samples;
+  }
+}
+
 TEST(Sbaa, FewerSurfacesCostQuality) {
   const TechniqueRun exact = run_technique(little_grass(), "forward", {{"samples", 8}}, kWidth, kHeight);
   double error = 1;

@@ -17,6 +17,21 @@ layout(set = 0, binding = 14) uniform usampler2DArray gbuffer;
 layout(set = 0, binding = 15) uniform usampler2D dropped;
 layout(location = 0) out vec4 out_sum;
 
+// Where the attributes of a surface were taken, as near as depth and description tell: the pixel's centre when it has all
+// samples, else its first sample.
+vec3 surface_position(ivec2 pixel, uint word) {
+  uint s = surface_first(word);
+  vec2 offset = vec2(sample_offset(SAMPLES, s)) * (1.0 / 128.0);
+  float depth = uintBitsToFloat(visible_depths(pixel, SAMPLES, s / 4u)[s & 3u]);
+  for (bool all_samples = surface_samples(word) == SAMPLES; all_samples; all_samples = false) {
+    vec4 sum = vec4(0.0);
+    for (uint quad = 0u; quad < SAMPLES / 4u; ++quad) sum += uintBitsToFloat(visible_depths(pixel, SAMPLES, quad));
+    offset = vec2(0.0);
+    depth = (sum.x + sum.y + sum.z + sum.w) / float(SAMPLES);
+  }
+  return world_position(vec2(pixel) + 0.5 + offset, depth);
+}
+
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uvec4 texel = texelFetch(surfaces, pixel, 0);
@@ -28,11 +43,8 @@ void main() {
     uint word = stored_surface(texel, k);
     // A loop, so that groups of pixels that have no such surface skip the lighting.
     for (bool stored = word != 0u; stored; stored = false) {
-      uint s = surface_first(word);
-      vec2 position = vec2(pixel) + 0.5 + vec2(sample_offset(SAMPLES, s)) * (1.0 / 128.0);
-      uint depth = visible_depths(pixel, SAMPLES, s / 4u)[s & 3u];
       Surface surface = unpack_surface(texelFetch(gbuffer, ivec3(pixel, k), 0));
-      surface.position = world_position(position, uintBitsToFloat(depth));
+      surface.position = surface_position(pixel, word);
       vec3 value = resolvable(shade(surface, normalize(frame.eye.xyz - surface.position)));
       sum += value * float(surface_samples(word));
       weight += surface_samples(word);
