@@ -73,7 +73,7 @@ TEST(Dcaa, PlanesThatCrossAreResolvedAtEverySample) {
 
 TEST(Dcaa, SecondMergeAndFrontMostRuleKeepWhatWouldLeak) {
   const auto run = [](const ParameterValues& given) {
-    return run_technique(capture::generate("fur", {1, 96, 54, 1, 0.3}), "dcaa", given, 96, 54);
+    return run_technique(capture::generate("fur", {1, 64, 36, 1, 0.1}), "dcaa", given, 64, 36);
   };
   const TechniqueRun both = run({}), no_second = run({{"second_merge", false}}),
                      no_front = run({{"keep_front", false}});
@@ -103,8 +103,7 @@ TEST(Dcaa, EmptyFramesShowTheSky) {
 }
 
 TEST(Dcaa, SameOnAllThreads) {
-  expect_same_on_all_threads("dcaa", {});
-  expect_same_on_all_threads("dcaa", {{"surfaces", 6}});  // in a buffer
+  expect_same_on_all_threads("dcaa", {{"surfaces", 6}});  // in a buffer, whose order no extension promises
 }
 
 TEST(Dcaa, RefusesWhatItCannotDo) {
