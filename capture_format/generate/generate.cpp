@@ -39,6 +39,13 @@ constexpr std::array kScenes{
           quads},
     Scene{{"spheres", "grid of spheres, metallic from bottom to top and rough from left to right", SceneGroup::small},
           spheres},
+    Scene{{"agaa_correlation",
+           "sunlit leaves before a red wall in shadow: what filtering colour and shadow apart gets wrong",
+           SceneGroup::small},
+          agaa_correlation},
+    Scene{{"agaa_hairs", "thin shiny hairs: the same for normals on an arc", SceneGroup::small}, agaa_hairs},
+    Scene{{"agaa_railings", "railings of square bars: the same for normals of two directions", SceneGroup::small},
+          agaa_railings},
 };
 
 void require(bool holds, std::string_view parameter, const std::string& why) {

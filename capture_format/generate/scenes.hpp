@@ -82,4 +82,9 @@ Capture streaming_depth(const GenerateOptions& options);
 Capture streaming_coverage(const GenerateOptions& options);
 Capture streaming_angle(const GenerateOptions& options);
 
+// Where filtering over an aggregate fails, by its authors: Crassin et al. 2016, figure 17.
+Capture agaa_correlation(const GenerateOptions& options);
+Capture agaa_hairs(const GenerateOptions& options);
+Capture agaa_railings(const GenerateOptions& options);
+
 }  // namespace subpixel::capture

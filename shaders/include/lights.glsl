@@ -17,13 +17,10 @@ const float kRadianceCeiling = 60000.0;  // stays finite in half floats
 // Texels around a point that its filter and its lift may need: a point nearer to a cascade's border uses the next one.
 const float kShadowMargin = 8.0;
 
-// The lit fraction of the 3x3 texels around a point, borders weighted by overlap: a box filter that moves smoothly.
-// The point is lifted along its normal by the filter's reach times the sine of the sun's angle, plus a little.
-float sun_visibility(vec3 position, vec3 normal, float normal_light) {
-  vec3 point = (frame.shadow_matrix * vec4(position, 1.0)).xyz;
-  float side = 0.5 * float(textureSize(shadow_map, 0).x);  // texels of a cascade
+// The cascade that decides at `point` of the sun's view, with `side` texels along a cascade.
+vec4 shadow_cascade(vec3 point, float side, out vec2 quadrant) {
   vec4 cascade = frame.shadow_cascades[SUBPIXEL_SHADOW_CASCADES - 1];
-  vec2 quadrant = vec2(1.0);
+  quadrant = vec2(1.0);
   for (int c = SUBPIXEL_SHADOW_CASCADES - 2; c >= 0; --c) {
     vec4 nearer = frame.shadow_cascades[c];
     vec2 from_centre = abs(point.xy * nearer.x + nearer.yz - 0.5);
@@ -31,6 +28,16 @@ float sun_visibility(vec3 position, vec3 normal, float normal_light) {
     cascade = inside ? nearer : cascade;
     quadrant = inside ? vec2(c & 1, c >> 1) : quadrant;
   }
+  return cascade;
+}
+
+// The lit fraction of the 3x3 texels around a point, borders weighted by overlap: a box filter that moves smoothly.
+// The point is lifted along its normal by the filter's reach times the sine of the sun's angle, plus a little.
+float sun_visibility(vec3 position, vec3 normal, float normal_light) {
+  vec3 point = (frame.shadow_matrix * vec4(position, 1.0)).xyz;
+  float side = 0.5 * float(textureSize(shadow_map, 0).x);  // texels of a cascade
+  vec2 quadrant;
+  vec4 cascade = shadow_cascade(point, side, quadrant);
   float lift = cascade.w * (0.5 + 2.5 * sqrt(max(1.0 - normal_light * normal_light, 0.0)));
   point += (frame.shadow_matrix * vec4(normal * lift, 0.0)).xyz;
   vec2 local = point.xy * cascade.x + cascade.yz;

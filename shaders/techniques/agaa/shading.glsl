@@ -165,7 +165,8 @@ vec3 lobe_reflected(Lobe lobe, vec3 light) {
 // tetrahedron, 8: of a cube). A footprint within a shadow texel is one point: the shadow's own filter is wider.
 float footprint_visibility(Footprint f, vec3 normal, float normal_light) {
   float visibility = 0.0;
-  float texel = frame.shadow_cascades[0].w;
+  vec2 quadrant;
+  float texel = shadow_cascade((frame.shadow_matrix * vec4(f.mean, 1.0)).xyz, 0.5 * float(textureSize(shadow_map, 0).x), quadrant).w;
   float size = dot(f.axis[0], f.axis[0]) + dot(f.axis[1], f.axis[1]) + dot(f.axis[2], f.axis[2]);
   bool wide = SHADOW_TAPS > 1u && size > 0.25 * texel * texel;
   // Loops, so that groups of aggregates take the side all of them need.
