@@ -45,7 +45,7 @@ TEST(Agaa, IsNearBruteForceAndNearerWithMoreAggregates) {
 }
 
 TEST(Agaa, VariantsAgree) {
-  for (const int samples : {4, 16, 32}) {
+  for (const int samples : {4, 32}) {
     const TechniqueRun plain = run_technique(little_grass(), "agaa", {{"samples", samples}}, kWidth, kHeight);
     expect_valid(plain, 2);
     for (const ParameterValues& variant :
@@ -77,7 +77,6 @@ TEST(Agaa, SeparationSparesAggregates) {
 TEST(Agaa, SkyAloneIsNotShaded) {
   expect_plain_sky("agaa", {});
   expect_plain_sky("agaa", {{"samples", 32}, {"aggregates", 4}, {"ndf", "sggx"}});
-  expect_plain_sky("agaa", {{"storage", "float"}, {"aggregates", 1}});
 }
 
 TEST(Agaa, SameBitsFromAnyNumberOfThreads) {
