@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "capture_format/camera.hpp"
 #include "capture_format/error.hpp"
@@ -73,6 +74,15 @@ TEST(GenerateScenes, GoldenBytes) {
       {"quads", "c6939e0bc1e261a3751cd21060273ed5"},  {"spheres", "dc61fca93375163fa92343c88321f3a2"},
   };
   for (const auto& [scene, hash] : golden) EXPECT_EQ(hash_of(scene, small_options()), hash) << scene;
+}
+
+// The same for the hard cases, all together: the hash of their hashes.
+TEST(GenerateScenes, GoldenBytesOfTheHardCases) {
+  std::string hashes;
+  for (const SceneInfo& scene : list_scenes())
+    if (scene.group == SceneGroup::hard) hashes += hash_of(scene.name, small_options());
+  EXPECT_EQ(hashes.size(), 30u * 32);
+  EXPECT_EQ(content_hash_hex(std::as_bytes(std::span(hashes))), "1c8482133d4ab55d7e99efb7f21544a5");
 }
 
 TEST(GenerateScenes, SeedAndDensityCount) {
