@@ -185,6 +185,7 @@ const tests = [
     await page.getByRole('button', {name: 'Image ⇔ reference'}).click();
     await page.locator('.view-label.left').getByText('msaa').waitFor();
     const wipe = page.getByLabel('Position of the dividing line');
+    await page.locator('.view-canvas').scrollIntoViewIfNeeded();
     const box = await page.locator('.view-canvas').boundingBox();
     const before = await wipe.inputValue();
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);

@@ -40,7 +40,7 @@ TEST(Png, ComesBackFromMemory) {
   const Image image = gradient(7, 5, 3, Encoding::display);
   const std::vector<std::uint8_t> bytes = encode_png(image);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  EXPECT_EQ(decode_png(text).pixels, image.pixels);
+  EXPECT_EQ(encode_png(decode_png(text)), bytes);
   EXPECT_THROW(decode_png("no picture"), InputError);
   EXPECT_THROW(decode_png(text.substr(0, text.size() / 2)), InputError);
 }
