@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "capture_format/error.hpp"
+#include "replay/techniques/technique.hpp"
 #include "server/json_document.hpp"
 #include "server/run_request.hpp"
 #include "server/text.hpp"
@@ -90,11 +91,21 @@ Settings read_settings(const JsonField& object, const std::string& path, Setting
   return settings;
 }
 
+// The whole registry with defaults, so that a technique that is added is replayed without a change of configuration.
+std::vector<replay::TechniqueRequest> every_technique() {
+  std::vector<replay::TechniqueRequest> requests;
+  for (const replay::Technique* technique : replay::techniques()) {
+    requests.push_back({std::string(technique->name), {}});
+  }
+  return requests;
+}
+
 std::vector<replay::TechniqueRequest> resolve_techniques(const Settings& settings, const std::string& where) {
   std::vector<replay::TechniqueRequest> requests;
   for (const auto& [text, field] : settings.techniques) {
     try {
-      for (const replay::TechniqueRequest& given : replay::parse_technique_list(text)) {
+      for (const replay::TechniqueRequest& given :
+           text == "all" ? every_technique() : replay::parse_technique_list(text)) {
         replay::TechniqueRequest request =
             complete_technique(given.technique, given.parameters, settings.options.samples);
         const bool twice = std::ranges::any_of(requests, [&](const replay::TechniqueRequest& other) {

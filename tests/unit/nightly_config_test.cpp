@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "capture_format/error.hpp"
+#include "replay/techniques/technique.hpp"
 #include "server/nightly/night.hpp"
 
 namespace subpixel::server {
@@ -67,6 +68,14 @@ TEST(NightlyConfig, CapturesInheritAndOverride) {
   EXPECT_EQ(config.captures[1].options.repeat, 5U);
   EXPECT_EQ(config.captures[2].options.techniques.size(), 4U);
   EXPECT_FALSE(config.captures[2].options.frames.has_value()) << "all frames";
+}
+
+TEST(NightlyConfig, AllIsTheWholeRegistry) {
+  json document = minimal();
+  document["techniques"] = {"all", "msaa:samples=4"};
+  EXPECT_EQ(parse(document).captures[0].options.techniques.size(), replay::techniques().size() + 1);
+  document["techniques"] = {"all", "noaa"};
+  EXPECT_THROW(parse(document), InputError) << "noaa twice";
 }
 
 TEST(NightlyConfig, AStarNamesAllScenesThatBeginSo) {
