@@ -208,8 +208,10 @@ GateOptions read_gates(const JsonField& field) {
   gates.images = flag(field, "images", true);
   if (field.has("across")) {
     const JsonField across = field.member("across");
-    check_names(across, {"relative", "image_mse"}, kWhat, "gates.across");
+    check_names(across, {"relative", "absolute", "image_mse", "error"}, kWhat, "gates.across");
     gates.across_relative = share(across, "relative", gates.across_relative);
+    gates.across_absolute = share(across, "absolute", gates.across_absolute);
+    gates.across_error = share(across, "error", gates.across_error);
     gates.across_image_mse = share(across, "image_mse", gates.across_image_mse);
   }
   if (field.has("error")) {

@@ -35,9 +35,9 @@ struct ErrorBound {
 struct GateOptions {
   // Equal to the baseline, on the same driver, driver version and CPU model.
   bool memory = true, shading = true, counters = true, images = true;
-  // On another machine: the share by which memory, shadings and counters may differ, and the mean square difference
-  // of the images.
-  double across_relative = 0.01, across_image_mse = 1e-4;
+  // On another machine: the share and, for what is counted, the number by which memory, shadings and counters may
+  // differ, the mean square difference of the images, and the share that errors may rise beyond their bounds.
+  double across_relative = 0.01, across_absolute = 8, across_image_mse = 1e-4, across_error = 0.25;
   std::map<std::string, ErrorBound> error;  // by the metric's name in results.json
   bool time = true;
   double time_slower = 0.5;        // share by which the ratios to msaa and noaa may rise, beyond both nights' spreads

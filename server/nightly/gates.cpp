@@ -29,9 +29,14 @@ struct FramePair {
   const NightFrame* baseline;
 };
 
-// Equal, or within a share of the baseline.
-bool agrees(double tonight, double baseline, double share) {
-  return tonight == baseline || std::abs(tonight - baseline) <= share * std::abs(baseline);
+struct Tolerance {
+  double share = 0, absolute = 0;
+};
+
+// Equal, or within a share of the baseline and an absolute rest.
+bool agrees(double tonight, double baseline, const Tolerance& tolerance) {
+  return tonight == baseline ||
+         std::abs(tonight - baseline) <= tolerance.share * std::abs(baseline) + tolerance.absolute;
 }
 
 std::vector<std::pair<std::string, double>> memory_values(const FrameResult& result) {
@@ -93,7 +98,8 @@ class CellJudge {
     add("valid", invalid, "every pixel is a finite number of 0 or more");
   }
 
-  void judge_error(const std::vector<FramePair>& pairs) {
+  // `slack`: a share of the baseline on top of the bounds.
+  void judge_error(const std::vector<FramePair>& pairs, double slack = 0) {
     for (const auto& [metric, bound] : options_.error) {
       Differences differences;
       for (const NightFrame& frame : cell_.frames) {
@@ -106,7 +112,7 @@ class CellJudge {
         const double before = error_value(pair.baseline->result, metric);
         const double now = error_value(pair.tonight->result, metric);
         if (std::isnan(before)) continue;
-        const double allowed = before * (1 + bound.relative) + bound.absolute;
+        const double allowed = before * (1 + bound.relative + slack) + bound.absolute;
         if (!(now <= allowed)) {
           differences.add(
               pair.tonight->result.frame,
@@ -118,12 +124,13 @@ class CellJudge {
   }
 
   void judge_exact(const std::vector<FramePair>& pairs, bool same, const CompareImages& compare) {
-    const double share = same ? 0 : options_.across_relative;
-    const std::string passed = same ? "equal" : fmt::format("within {:g}%", 100 * share);
-    if (options_.memory) add("memory", compare_values(pairs, share, memory_values), passed);
+    const Tolerance counted = same ? Tolerance{} : Tolerance{options_.across_relative, options_.across_absolute};
+    const Tolerance bytes = same ? Tolerance{} : Tolerance{options_.across_relative, 0};
+    const std::string passed = same ? "equal" : fmt::format("within {:g}%", 100 * options_.across_relative);
+    if (options_.memory) add("memory", compare_values(pairs, bytes, memory_values), passed);
     if (options_.shading) {
       add("shading",
-          compare_values(pairs, share,
+          compare_values(pairs, counted,
                          [](const FrameResult& result) {
                            return std::vector<std::pair<std::string, double>>{
                                {"lighting executions", static_cast<double>(result.shading.executions)}};
@@ -133,7 +140,7 @@ class CellJudge {
     if (options_.counters) {
       // A counter that the baseline does not have is news, not a failure.
       add("counters",
-          compare_values(pairs, share,
+          compare_values(pairs, counted,
                          [](const FrameResult& result) {
                            std::vector<std::pair<std::string, double>> values;
                            for (const auto& [name, value] : result.counters) {
@@ -172,7 +179,8 @@ class CellJudge {
 
  private:
   template <class ValuesOf>
-  static Differences compare_values(const std::vector<FramePair>& pairs, double share, ValuesOf values_of) {
+  static Differences compare_values(const std::vector<FramePair>& pairs, const Tolerance& tolerance,
+                                    ValuesOf values_of) {
     Differences differences;
     for (const FramePair& pair : pairs) {
       const auto now = values_of(pair.tonight->result);
@@ -180,7 +188,7 @@ class CellJudge {
         const auto found = std::ranges::find(now, name, [](const auto& value) { return value.first; });
         if (found == now.end()) {
           differences.add(pair.tonight->result.frame, name + " is not counted any more");
-        } else if (!agrees(found->second, before, share)) {
+        } else if (!agrees(found->second, before, tolerance)) {
           differences.add(pair.tonight->result.frame,
                           fmt::format("{} {:.15g}, the baseline has {:.15g}", name, found->second, before));
         }
@@ -224,7 +232,7 @@ class CellJudge {
       if (pair.tonight->result.images != pair.baseline->result.images) continue;
       const auto before = error_values(pair.baseline->result), now = error_values(pair.tonight->result);
       for (std::size_t i = 0; i < now.size(); ++i) {
-        if (std::isnan(before[i].second) || agrees(now[i].second, before[i].second, 1e-6)) continue;
+        if (std::isnan(before[i].second) || agrees(now[i].second, before[i].second, {1e-6, 0})) continue;
         differences.add(pair.tonight->result.frame,
                         fmt::format("the images are equal, but {} is {:.6g}, the baseline has {:.6g}", now[i].first,
                                     now[i].second, before[i].second));
@@ -297,7 +305,7 @@ void judge_cell(NightCell& cell, const NightCapture& capture, const NightCell* b
                           driver_of(*capture_before->head)));
   }
   judge.judge_exact(pairs, same, compare);
-  judge.judge_error(pairs);
+  judge.judge_error(pairs, same ? 0 : options.across_error);
   judge.judge_time(&before->time);
   judge.conclude(true);
 }
