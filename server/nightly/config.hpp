@@ -37,7 +37,7 @@ struct GateOptions {
   bool memory = true, shading = true, counters = true, images = true;
   // On another machine: the share and, for what is counted, the number by which memory, shadings and counters may
   // differ, the mean square difference of the images, and the share that errors may rise beyond their bounds.
-  double across_relative = 0.01, across_absolute = 8, across_image_mse = 1e-4, across_error = 0.25;
+  double across_relative = 0.01, across_absolute = 8, across_image_mse = 1e-4, across_error = 0.5;
   std::map<std::string, ErrorBound> error;  // by the metric's name in results.json
   bool time = true;
   double time_slower = 0.5;        // share by which the ratios to msaa and noaa may rise, beyond both nights' spreads
