@@ -42,6 +42,7 @@ gpu::Constants streaming_constants(const FrameSetup& setup) {
   add("merge_depth", STREAM_MERGE_DEPTH);
   add("merge_coverage", STREAM_MERGE_COVERAGE);
   if (setup.choice("merge_weight") == "coverage") options |= STREAM_WEIGHT_COVERAGE;
+  if (setup.choice("occlusion") == "depth_test") options |= STREAM_DEPTH_TESTED;
   if (setup.choice("depth_space") == "clip") options |= STREAM_CLIP_SPACE;
   const auto cosine = static_cast<float>(std::cos(setup.number("normal_angle")));
   return {{10, surfaces(setup)}, {11, std::bit_cast<std::uint32_t>(cosine)}, {12, options}};
@@ -224,6 +225,10 @@ const Technique kStreaming{
      condition("merge_depth", "fragments merge only when their depth intervals overlap"),
      condition("merge_coverage", "fragments merge only when they share no sample"),
      choice("merge_weight", "a merge weights both sides equally, or by the samples they cover", {"equal", "coverage"}),
+     choice("occlusion",
+            "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the depth test of "
+            "the sample",
+            {"intervals", "depth_test"}),
      choice("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
             {"view", "clip"}),
      alpha_parameter(), resolve_parameter(), shading_parameter()},

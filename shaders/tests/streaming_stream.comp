@@ -24,18 +24,18 @@ void main() {
   for (uint k = 0u; k < ranges[pixel].y; ++k) {
     StreamTestFragment given = fragments[ranges[pixel].x + k];
     DepthPlane plane = DepthPlane(given.plane.x, given.plane.y, given.plane.z, given.plane.w, given.depth.w);
-    bool passes = false;
+    uint passed = 0u;
     for (uint i = 0u; i < DEPTH_QUADS; ++i) {
       uvec4 before = depths[i];
       depths[i] = stream_nearer(before, SAMPLES, given.words.x, 4u * i, plane);
-      passes = passes || depths[i] != before;
+      passed |= stream_passed(before, depths[i], 4u * i);
     }
-    for (; passes; passes = false) {
+    for (bool go = passed != 0u; go; go = false) {
       StreamSurface fragment;
       fragment.depth = given.depth.x;
       fragment.slopes = stream_pack_slopes(given.depth.yz);
       fragment.coverage = given.words.x;
-      fragment.resolved = given.words.x;
+      fragment.resolved = stream_option(STREAM_DEPTH_TESTED) ? passed : given.words.x;
       fragment.albedo = given.words.y;
       fragment.normal = given.words.z;
       fragment.roughness = given.words.w;

@@ -91,6 +91,7 @@ struct Options {
   float cos_normal_angle = 0.70710678f;
   bool merge_normals = true, merge_depth = true, merge_coverage = true;
   bool weight_by_coverage = false;
+  bool depth_tested = false;  // not in the paper: see `add`
 };
 
 struct Pixel {
@@ -105,9 +106,15 @@ class Compressor {
   explicit Compressor(const Options& options) : options_(options) { pixel_.depth_buffer.assign(options.samples, 0.0f); }
 
   void add(const DepthBufferPlane& plane, const Surface& given) {
-    if (!passes_depth_test(plane, given.coverage)) return;
+    const std::uint32_t passed = depth_test(plane, given.coverage);
+    if (passed == 0) return;
     Surface fragment = given;
     fragment.resolved = fragment.coverage;
+    if (options_.depth_tested) {
+      // What passes the depth test is in front of everything, and what fails is hidden.
+      fragment.resolved = passed;
+      for (Surface& surface : pixel_.surfaces) surface.resolved &= ~passed;
+    }
     const auto mate = std::find_if(pixel_.surfaces.begin(), pixel_.surfaces.end(),
                                    [&](const Surface& surface) { return may_merge(surface, fragment); });
     if (mate != pixel_.surfaces.end()) {
@@ -127,8 +134,9 @@ class Compressor {
   const Pixel& pixel() const { return pixel_; }
 
  private:
-  bool passes_depth_test(const DepthBufferPlane& plane, std::uint32_t coverage) {
-    bool any = false;
+  // The samples that pass.
+  std::uint32_t depth_test(const DepthBufferPlane& plane, std::uint32_t coverage) {
+    std::uint32_t passed = 0;
     for (std::uint32_t i = 0; i < options_.samples; ++i) {
       if ((coverage >> i & 1u) == 0) continue;
       const auto [x, y] = gpu_types::sample_offset(options_.samples, i);
@@ -136,10 +144,10 @@ class Compressor {
       const float z = std::clamp(plane.dx * ox + (plane.dy * oy + plane.centre), plane.smallest, plane.largest);
       if (z > pixel_.depth_buffer[i]) {
         pixel_.depth_buffer[i] = z;
-        any = true;
+        passed |= 1u << i;
       }
     }
-    return any;
+    return passed;
   }
 
   bool may_merge(const Surface& a, const Surface& b) const {

@@ -32,7 +32,7 @@ void main() {
       mask = alpha_mask(geometry, 0u, SAMPLES, pixel, mask_offset(edges, geometry));
   }
 
-  bool passes = false;
+  uint passed = 0u;
   // Loops, here and below, are skipped when no lane needs them: fragments without a sample cost no read, rejected ones neither
   // attributes nor the list.
   for (bool covered = mask != 0u; covered; covered = false) {
@@ -42,9 +42,9 @@ void main() {
     for (uint i = 0u; i < DEPTH_QUADS; ++i) {
       uvec4 before = quad(i);
       depths[i] = stream_nearer(before, SAMPLES, mask, 4u * i, plane);
-      passes = passes || depths[i] != before;
+      passed |= stream_passed(before, depths[i], 4u * i);
     }
-    for (bool go = passes; go; go = false) {
+    for (bool go = passed != 0u; go; go = false) {
       StreamList list;
       for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i) {
         uvec4 words = quad(DEPTH_QUADS + i);
@@ -59,7 +59,7 @@ void main() {
       StreamSurface fragment;
       stream_plane(plane, pixel, offset, fragment.depth, fragment.slopes);
       fragment.coverage = mask;
-      fragment.resolved = mask;
+      fragment.resolved = stream_option(STREAM_DEPTH_TESTED) ? passed : mask;
       fragment.albedo = packed.x;
       fragment.normal = packed.y;
       fragment.roughness = packed.z & 255u;
@@ -73,5 +73,5 @@ void main() {
                  uvec4(list.word[4u * i], list.word[4u * i + 1u], list.word[4u * i + 2u], list.word[4u * i + 3u]));
     }
   }
-  if (!passes) discard;
+  if (passed == 0u) discard;
 }

@@ -205,10 +205,13 @@ uint stream_fuse(inout StreamSurface surface[STREAM_MAX_SURFACES], uint order, i
   return discarded;
 }
 
-// Adds a fragment to the pixel. `fragment.resolved` is its coverage.
+// Adds a fragment to the pixel. `fragment.resolved` is its coverage; with STREAM_DEPTH_TESTED, those of its samples that
+// passed the depth test, which nothing stored so far can show any more.
 void stream_add(inout uint word, inout StreamSurface surface[STREAM_MAX_SURFACES], StreamSurface fragment) {
   uint count = word & ((1u << STREAM_COUNT_BITS) - 1u);
   uint order = (word >> STREAM_ORDER_SHIFT) & ((1u << STREAM_ORDER_BITS) - 1u);
+  uint hidden = stream_option(STREAM_DEPTH_TESTED) ? fragment.resolved : 0u;
+  for (uint i = 0u; i < SURFACES; ++i) surface[i].resolved &= ~hidden;
   uint matches = stream_matches(surface, count, fragment);
   bool merges = matches != 0u;
   uint target = count, leaving = STREAM_MAX_SURFACES;  // slot to write; slot whose surface leaves the order first
@@ -252,6 +255,12 @@ void stream_add(inout uint word, inout StreamSurface surface[STREAM_MAX_SURFACES
 
   uint list_mask = (1u << (STREAM_ORDER_SHIFT + STREAM_ORDER_BITS)) - 1u;
   word = (word & ~list_mask) | count | order << STREAM_ORDER_SHIFT;
+}
+
+// Bit first + i where the depth test of stream_nearer() changed depth i.
+uint stream_passed(uvec4 before, uvec4 after, uint first) {
+  uvec4 bits = mix(uvec4(0u), uvec4(1u, 2u, 4u, 8u), notEqual(before, after));
+  return (bits.x | bits.y | bits.z | bits.w) << first;
 }
 
 // The depth test: depths of four samples where the mask has them and they are nearer than `stored`, else `stored`.

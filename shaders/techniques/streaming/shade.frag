@@ -46,14 +46,17 @@ void main() {
     Shown shown;
     for (uint place = 0u; place < SURFACES; ++place) {
       uint slot = stream_slot(order, place);
-      uint slopes = surface[0].slopes;
+      uint slopes = surface[0].slopes, resolved = surface[0].resolved;
       shown.depth[place] = surface[0].depth;
       shown.coverage[place] = surface[0].coverage;
       for (uint i = 1u; i < SURFACES; ++i) {
         shown.depth[place] = slot == i ? surface[i].depth : shown.depth[place];
         shown.coverage[place] = slot == i ? surface[i].coverage : shown.coverage[place];
         slopes = slot == i ? surface[i].slopes : slopes;
+        resolved = slot == i ? surface[i].resolved : resolved;
       }
+      // Depth-tested masks share no sample; the planes are compared where only intervals are known.
+      if (stream_option(STREAM_DEPTH_TESTED)) shown.coverage[place] = resolved;
       shown.coverage[place] = place < count ? shown.coverage[place] : 0u;
       shown.slope[place] = unpackHalf2x16(slopes);
       shown.samples[place] = place == 0u ? shown.coverage[0] : 0u;
