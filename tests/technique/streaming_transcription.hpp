@@ -14,14 +14,16 @@
 
 namespace subpixel::streaming_test {
 
-// IEEE binary16, rounded to nearest even.
+// IEEE binary16, rounded to nearest even. What rounds to zero loses its sign, as slopes do in the shader.
 inline std::uint16_t to_half(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   const auto sign = static_cast<std::uint16_t>((bits >> 16) & 0x8000u);
   const float magnitude = std::fabs(value);
   if (magnitude >= 65520.0f) return static_cast<std::uint16_t>(sign | 0x7c00u);
-  if (magnitude < 0x1p-14f)
-    return static_cast<std::uint16_t>(sign | static_cast<int>(std::nearbyint(magnitude * 0x1p24f)));
+  if (magnitude < 0x1p-14f) {
+    const auto units = static_cast<int>(std::nearbyint(magnitude * 0x1p24f));
+    return units == 0 ? std::uint16_t{0} : static_cast<std::uint16_t>(sign | units);
+  }
   const int exponent = std::ilogb(magnitude);
   const auto mantissa = static_cast<int>(std::nearbyint(std::ldexp(magnitude, 10 - exponent)));  // 1024 .. 2048
   return static_cast<std::uint16_t>(sign | (((exponent + 15) << 10) + mantissa - 1024));
