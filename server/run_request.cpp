@@ -67,8 +67,11 @@ std::vector<replay::TechniqueRequest> parse_techniques(const JsonField& list, st
 replay::TechniqueRequest complete_technique(const std::string& name, replay::ParameterValues given,
                                             std::uint32_t samples) {
   const replay::Technique& technique = replay::find_technique(printable(name, 60));
+  // As replay::Replay does: the run's number of samples goes to techniques that allow it.
   for (const replay::Parameter& parameter : technique.parameters) {
-    if (parameter.name == "samples" && parameter.allowed.size() != 1) given.try_emplace("samples", samples);
+    if (parameter.name == "samples" && std::ranges::count(parameter.allowed, static_cast<double>(samples)) > 0) {
+      given.try_emplace("samples", samples);
+    }
   }
   return {name, replay::check_parameters(technique.name, technique.parameters, given)};
 }

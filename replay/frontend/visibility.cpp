@@ -59,8 +59,8 @@ void record_small_triangles(gpu::PassRecorder& recorder, const FrameSetup& setup
 
   struct {
     std::uint64_t keys;
-    std::uint32_t width;
-  } const store_push{keys.address(), setup.width};
+    std::uint32_t width, height;
+  } const store_push{keys.address(), setup.width, setup.height};
   gpu::RasterPass store;
   store.name = "visibility";
   store.pipeline.vertex = "shade/fullscreen.vert";

@@ -135,7 +135,7 @@ Resources make_resources(gpu::PassRecorder& recorder, const FrameSetup& setup) {
     r.state = &recorder.image({"dcaa state", kWords, setup.width, setup.height, 1, std::max(quads, kFewestAttachments),
                                VK_SAMPLE_COUNT_1_BIT, kTarget, true});
   } else {
-    r.words = &recorder.buffer("dcaa state", std::uint64_t{setup.width} * setup.height * quads * 16);
+    r.words = &recorder.buffer("dcaa state", state_pixels(setup) * quads * 16);
     r.address = &recorder.buffer("dcaa state address", sizeof(VkDeviceAddress));
     r.address->as<VkDeviceAddress>()[0] = r.words->address();
   }

@@ -27,6 +27,10 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
 // R32_UINT, a value for each pixel.
 gpu::Image& map_image(gpu::PassRecorder& recorder, const FrameSetup& setup, std::string name);
 
+// Pixels to allot to a buffer that full-screen passes read by address: devices shade whole blocks of up to 4x4 pixels,
+// of which those beyond the border read, too.
+std::uint64_t state_pixels(const FrameSetup& setup);
+
 // A list of pixels that compute passes work through (shaders/deferred/pixel_list.glsl).
 struct PixelList {
   gpu::Buffer* pixels = nullptr;

@@ -86,7 +86,7 @@ State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup) {
     state.image = &recorder.image({"streaming state", kWords, setup.width, setup.height, 1,
                                    std::max(quads, kFewestAttachments), VK_SAMPLE_COUNT_1_BIT, kTarget, true});
   } else {
-    state.words = &recorder.buffer("streaming state", std::uint64_t{setup.width} * setup.height * quads * 16);
+    state.words = &recorder.buffer("streaming state", state_pixels(setup) * quads * 16);
     state.address = &recorder.buffer("streaming state address", sizeof(VkDeviceAddress));
     state.address->as<VkDeviceAddress>()[0] = state.words->address();
   }

@@ -9,7 +9,7 @@
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer SampleKeys { uint64_t key[]; };
 layout(push_constant, scalar) uniform Push {
   SampleKeys keys;
-  uint width;
+  uint width, height;
 } push;
 #if GROUP < 4
 layout(location = 0) out uvec4 out_state;
@@ -23,7 +23,9 @@ uvec2 depth_and_triangle(uint index) {
 }
 
 void main() {
-  uint base = (uint(gl_FragCoord.y) * push.width + uint(gl_FragCoord.x)) * GROUP;
+  // Devices shade whole blocks: beyond the border, too, nothing outside the buffer may be read.
+  uvec2 pixel = min(uvec2(gl_FragCoord.xy), uvec2(push.width, push.height) - 1u);
+  uint base = (pixel.y * push.width + pixel.x) * GROUP;
 #if GROUP == 1
   out_state = uvec4(depth_and_triangle(base), 0u, 0u);
 #elif GROUP == 2
