@@ -39,7 +39,7 @@ struct PlannedTechnique {
   std::uint32_t samples = 1;
 };
 
-constexpr std::array<std::uint32_t, 6> kSampleCounts{1, 4, 8, 16, 32, 64};
+constexpr std::array<std::uint32_t, 7> kSampleCounts{1, 2, 4, 8, 16, 32, 64};
 
 std::vector<PlannedTechnique> plan(const ReplayOptions& options) {
   if (std::find(kSampleCounts.begin(), kSampleCounts.end(), options.samples) == kSampleCounts.end())

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <bit>
+
 #include <algorithm>
 
 #include "capture_format/error.hpp"
@@ -59,6 +61,12 @@ std::uint32_t ranged(const replay::JsonField& object, std::string_view name, Ran
     field.fail(fmt::format("expected a whole number from {} to {}", range.minimum, range.maximum));
   }
   return static_cast<std::uint32_t>(number);
+}
+
+std::uint32_t sample_count(const replay::JsonField& object, std::uint32_t absent) {
+  const std::uint32_t samples = ranged(object, "samples", {1, 64}, absent);
+  if (!std::has_single_bit(samples)) object.member("samples").fail("expected one of 1, 2, 4, 8, 16, 32, 64");
+  return samples;
 }
 
 }  // namespace subpixel::server

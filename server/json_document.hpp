@@ -25,5 +25,7 @@ struct Range {
 // The member `name` of `object` as a whole number within `range`; `absent` when it is null or not there. Throws
 // InputError.
 std::uint32_t ranged(const replay::JsonField& object, std::string_view name, Range range, std::uint32_t absent);
+// The member "samples": a number of samples per pixel the front-end has a pattern of.
+std::uint32_t sample_count(const replay::JsonField& object, std::uint32_t absent);
 
 }  // namespace subpixel::server

@@ -21,7 +21,7 @@ constexpr std::string_view kWhat = "run request";
 constexpr std::size_t kMaxTechniques = 256;
 constexpr std::uint64_t kMaxResults = 100'000;
 
-constexpr Range kSamples{1, 64}, kSize{1, 16384}, kRepeat{1, 100}, kReferenceSamples{0, 65536}, kPointLights{0, 4096};
+constexpr Range kSize{1, 16384}, kRepeat{1, 100}, kReferenceSamples{0, 65536}, kPointLights{0, 4096};
 
 replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t index, std::uint32_t samples) {
   check_names(entry, {"technique", "parameters"}, std::string(kWhat), fmt::format("techniques[{}]", index));
@@ -86,7 +86,7 @@ RunRequest parse_run_request(std::string_view body) {
   RunRequest request;
   request.capture = top.member("capture").text();
   replay::ReplayOptions& options = request.options;
-  options.samples = ranged(top, "samples", kSamples, options.samples);
+  options.samples = sample_count(top, options.samples);
   options.techniques = parse_techniques(top.member("techniques"), options.samples);
   options.width = ranged(top, "width", kSize, 0);
   options.height = ranged(top, "height", kSize, 0);

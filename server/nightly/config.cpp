@@ -20,7 +20,7 @@ using replay::JsonField;
 
 const std::string kWhat = "nightly configuration";
 
-constexpr Range kSamples{1, 64}, kSide{1, 16384}, kRepeat{1, 1000}, kReferenceSamples{0, 4096}, kPointLights{0, 256},
+constexpr Range kSide{1, 16384}, kRepeat{1, 1000}, kReferenceSamples{0, 4096}, kPointLights{0, 256},
     kKeep{0, 1'000'000}, kConfirm{0, 10};
 constexpr std::size_t kMaxNameBytes = 100;
 
@@ -57,7 +57,7 @@ bool flag(const JsonField& object, std::string_view name, bool absent) {
 
 Settings read_settings(const JsonField& object, const std::string& path, Settings settings) {
   replay::ReplayOptions& options = settings.options;
-  options.samples = ranged(object, "samples", kSamples, options.samples);
+  options.samples = sample_count(object, options.samples);
   options.repeat = ranged(object, "repeat", kRepeat, options.repeat);
   options.reference_samples = ranged(object, "reference_samples", kReferenceSamples, options.reference_samples);
   if (object.has("point_lights")) options.point_lights = ranged(object, "point_lights", kPointLights, 0);

@@ -58,7 +58,7 @@ TEST_F(BadInput, ValueOutOfRangeNamesTheRange) {
   expect_error(kReplay + "--techniques noaa --size 64", 2, {"64", "WIDTHxHEIGHT"});
   expect_error("replay cube.spcap --techniques noaa --repeat 0 --out out", 2, {"--repeat", "0", "1 to 1000"});
   expect_error("replay cube.spcap --techniques noaa --repeat -3 --out out", 2, {"--repeat", "-3", "1 to 1000"});
-  expect_error(kReplay + "--techniques msaa --samples 5", 2, {"--samples", "5", "1, 4, 8, 16, 32, 64"});
+  expect_error(kReplay + "--techniques msaa --samples 5", 2, {"--samples", "5", "1, 2, 4, 8, 16, 32, 64"});
   expect_error("replay cube.spcap --techniques noaa --reference-samples 5 --repeat 1 --out out", 2,
                {"--reference-samples", "5", "4 to 4096"});
   expect_error("replay cube.spcap --techniques noaa --lights 9999 --repeat 1 --out out", 2, {"9999"});
