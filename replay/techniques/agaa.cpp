@@ -272,16 +272,6 @@ Parameter number(std::string_view name, std::string_view doc, std::string_view u
   return p;
 }
 
-Parameter choice(std::string_view name, std::string_view doc, std::vector<std::string_view> choices) {
-  Parameter p;
-  p.name = name;
-  p.kind = ParameterKind::choice;
-  p.doc = doc;
-  p.default_value = std::string(choices.front());
-  p.choices = std::move(choices);
-  return p;
-}
-
 Parameters parameters() {
   Parameter count;
   count.name = "aggregates";
@@ -302,10 +292,11 @@ Parameters parameters() {
                  "world units", 1e-6, 1e6, 0.1),
           number("separation", "an aggregate is only made farther than this from the others, in the paper's distance",
                  "", 0, 1e6, 0.01),
-          choice("ndf", "distribution of normals: isotropic, by the mean's length, or anisotropic, by second moments",
-                 {"toksvig", "sggx"}),
-          choice("roughness", "kept as a mean, or by shortening the normals", {"mean", "in_normal"}),
-          choice("storage", "sums in the paper's fixed point, or in floats", {"fixed", "float"}),
+          choice_parameter(
+              "ndf", "distribution of normals: isotropic, by the mean's length, or anisotropic, by second moments",
+              {"toksvig", "sggx"}),
+          choice_parameter("roughness", "kept as a mean, or by shortening the normals", {"mean", "in_normal"}),
+          choice_parameter("storage", "sums in the paper's fixed point, or in floats", {"fixed", "float"}),
           taps,
           alpha_parameter(),
           resolve_parameter(),

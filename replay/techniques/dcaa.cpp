@@ -285,25 +285,6 @@ Parameter depth_reach_parameter() {
   return p;
 }
 
-Parameter condition(std::string_view name, std::string_view doc) {
-  Parameter p;
-  p.name = name;
-  p.kind = ParameterKind::boolean;
-  p.doc = doc;
-  p.default_value = true;
-  return p;
-}
-
-Parameter choice(std::string_view name, std::string_view doc, std::vector<std::string_view> choices) {
-  Parameter p;
-  p.name = name;
-  p.kind = ParameterKind::choice;
-  p.doc = doc;
-  p.default_value = std::string(choices.front());
-  p.choices = std::move(choices);
-  return p;
-}
-
 }  // namespace
 
 gpu::Image& record_depth_bound(gpu::PassRecorder& recorder, const FrameSetup& setup) {
@@ -317,17 +298,18 @@ const Technique kDcaa{
     "Decoupled coverage anti-aliasing",
     "Wang, Wyman, He, Sen: Decoupled Coverage Anti-Aliasing. High-Performance Graphics 2015",
     {integer("surfaces", "surfaces kept for a pixel", 1, DCAA_MAX_SURFACES, 4), samples_parameter({16, 32, 64}, 64),
-     choice("coverage", "masks come from a table of half-planes, or from exact edges", {"lut", "exact"}),
+     choice_parameter("coverage", "masks come from a table of half-planes, or from exact edges", {"lut", "exact"}),
      integer("table_directions", "directions of edges in the table", 8, 4096, 256,
              {8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096}),
      integer("table_distances", "distances of edges from the pixel's centre in the table", 8, 1024, 128),
      normal_angle_parameter(), depth_reach_parameter(),
-     choice("merge_weight", "merges weight by the samples covered, or by those the one in front leaves",
-            {"coverage", "shown"}),
-     condition("second_merge", "the surface that has to go merges with one that overlaps it in depth"),
-     condition("keep_front", "the front-most surface never has to go"),
-     condition("prepass", "a conservative depth prepass rules out fragments"),
-     choice("facet_normal", "components and bits of a surface's facet normal", {"2x16", "2x8", "3x8", "3x32"}),
+     choice_parameter("merge_weight", "merges weight by the samples covered, or by those the one in front leaves",
+                      {"coverage", "shown"}),
+     condition_parameter("second_merge", "the surface that has to go merges with one that overlaps it in depth"),
+     condition_parameter("keep_front", "the front-most surface never has to go"),
+     condition_parameter("prepass", "a conservative depth prepass rules out fragments"),
+     choice_parameter("facet_normal", "components and bits of a surface's facet normal",
+                      {"2x16", "2x8", "3x8", "3x32"}),
      integer("depth_bits", "bits of a surface's depth", 16, 32, 24, {16, 20, 24, 32}), alpha_parameter(),
      resolve_parameter(), shading_parameter()},
     {{"surfaces", "Surfaces stored", "surfaces", 4},

@@ -15,6 +15,25 @@ Parameter samples_parameter(std::vector<double> allowed, int default_value) {
   return p;
 }
 
+Parameter choice_parameter(std::string_view name, std::string_view doc, std::vector<std::string_view> choices) {
+  Parameter p;
+  p.name = name;
+  p.kind = ParameterKind::choice;
+  p.doc = doc;
+  p.default_value = std::string(choices.front());
+  p.choices = std::move(choices);
+  return p;
+}
+
+Parameter condition_parameter(std::string_view name, std::string_view doc) {
+  Parameter p;
+  p.name = name;
+  p.kind = ParameterKind::boolean;
+  p.doc = doc;
+  p.default_value = true;
+  return p;
+}
+
 Parameter alpha_parameter() {
   Parameter p;
   p.name = "alpha";

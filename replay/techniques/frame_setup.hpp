@@ -34,6 +34,9 @@ struct FrameSetup {
 
 // Parameters that every technique built on the front-end has.
 Parameter samples_parameter(std::vector<double> allowed, int default_value);
+// One of `choices`, of which the first is the default; one that is on by default.
+Parameter choice_parameter(std::string_view name, std::string_view doc, std::vector<std::string_view> choices);
+Parameter condition_parameter(std::string_view name, std::string_view doc);
 Parameter alpha_parameter();
 Parameter resolve_parameter();
 Parameter shading_parameter();

@@ -209,16 +209,6 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   record_linked_list(recorder, setup, {&recorder.buffer("blocks", linked_list_pool_bytes(setup, dynamic)), 0, dynamic});
 }
 
-Parameter choice(std::string_view name, std::string_view doc, std::vector<std::string_view> choices) {
-  Parameter p;
-  p.name = name;
-  p.kind = ParameterKind::choice;
-  p.doc = doc;
-  p.default_value = std::string(choices.front());
-  p.choices = std::move(choices);
-  return p;
-}
-
 Parameter pool_parameter() {
   Parameter p;
   p.name = "pool";
@@ -275,15 +265,17 @@ const Technique kLinkedList{
     "Per-pixel linked lists",
     "Fridvalszky, Toth: Multisample Anti-Aliasing in Deferred Rendering. Eurographics 2020 short papers",
     {samples_parameter({2, 4, 8}, 8), pool_parameter(),
-     choice("pool_unit", "what the pool is counted in", {"blocks_per_pixel", "mib", "blocks"}),
-     choice("allocation",
-            "who gets a block while there are some: fragments with most samples first, tile by tile, or as fragments "
-            "come, by an atomic counter",
-            {"largest", "tiles", "atomic"}),
-     choice("first_block", "a pixel's own block holds what sample 0 shows, or what its first covered sample shows",
-            {"sample", "covered"}),
-     choice("lighting", "dynamic blocks are lit one by one before the pixels, or with their pixel's list",
-            {"blocks", "lists"}),
+     choice_parameter("pool_unit", "what the pool is counted in", {"blocks_per_pixel", "mib", "blocks"}),
+     choice_parameter(
+         "allocation",
+         "who gets a block while there are some: fragments with most samples first, tile by tile, or as fragments "
+         "come, by an atomic counter",
+         {"largest", "tiles", "atomic"}),
+     choice_parameter("first_block",
+                      "a pixel's own block holds what sample 0 shows, or what its first covered sample shows",
+                      {"sample", "covered"}),
+     choice_parameter("lighting", "dynamic blocks are lit one by one before the pixels, or with their pixel's list",
+                      {"blocks", "lists"}),
      alpha_parameter(), resolve_parameter(), shading_parameter()},
     {{"blocks", "Blocks with a surface", "blocks", 0},
      {"overflow", "Samples of fragments without a block", "samples", 0},

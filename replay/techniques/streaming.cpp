@@ -193,25 +193,6 @@ Parameter normal_angle_parameter() {
   return p;
 }
 
-Parameter condition(std::string_view name, std::string_view doc) {
-  Parameter p;
-  p.name = name;
-  p.kind = ParameterKind::boolean;
-  p.doc = doc;
-  p.default_value = true;
-  return p;
-}
-
-Parameter choice(std::string_view name, std::string_view doc, std::vector<std::string_view> choices) {
-  Parameter p;
-  p.name = name;
-  p.kind = ParameterKind::choice;
-  p.doc = doc;
-  p.default_value = std::string(choices.front());
-  p.choices = std::move(choices);
-  return p;
-}
-
 }  // namespace
 
 extern const Technique kStreaming;
@@ -221,16 +202,18 @@ const Technique kStreaming{
     "Streaming G-buffer compression",
     "Kerzner, Salvi: Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing. High-Performance Graphics 2014",
     {surfaces_parameter(), samples_parameter({4, 8, 16, 32}, 8), normal_angle_parameter(),
-     condition("merge_normals", "fragments merge only when their normals align"),
-     condition("merge_depth", "fragments merge only when their depth intervals overlap"),
-     condition("merge_coverage", "fragments merge only when they share no sample"),
-     choice("merge_weight", "a merge weights both sides equally, or by the samples they cover", {"equal", "coverage"}),
-     choice("occlusion",
-            "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the depth test of "
-            "the sample",
-            {"intervals", "depth_test"}),
-     choice("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
-            {"view", "clip"}),
+     condition_parameter("merge_normals", "fragments merge only when their normals align"),
+     condition_parameter("merge_depth", "fragments merge only when their depth intervals overlap"),
+     condition_parameter("merge_coverage", "fragments merge only when they share no sample"),
+     choice_parameter("merge_weight", "a merge weights both sides equally, or by the samples they cover",
+                      {"equal", "coverage"}),
+     choice_parameter(
+         "occlusion",
+         "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the depth test of "
+         "the sample",
+         {"intervals", "depth_test"}),
+     choice_parameter("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
+                      {"view", "clip"}),
      alpha_parameter(), resolve_parameter(), shading_parameter()},
     {{"merges", "Fragments merged", "fragments", 16},
      {"discards", "Samples discarded while visible", "samples", 8},
