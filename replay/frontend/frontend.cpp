@@ -323,8 +323,7 @@ void Frontend::record_arguments(gpu::PassRecorder& recorder, const std::string& 
   recorder.compute(pass);
 }
 
-void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry) {
-  gpu::RasterPass& pass = geometry.pass;
+HullPush Frontend::hull_push() const {
   HullPush push{};
   push.records = records_.address();
   push.positions = scene_.positions.address();
@@ -335,6 +334,12 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   push.clip_matrices = clip_matrices_.address();
   push.instances = scene_.instances.address();
   push.triangle_slots = triangle_slots();
+  return push;
+}
+
+void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry) {
+  gpu::RasterPass& pass = geometry.pass;
+  const HullPush push = hull_push();
 
   gpu::RasterDescription opaque = pass.pipeline;
   opaque.vertex = geometry.by_material ? "frontend/hull.vert:ATTRIBUTES" : "frontend/hull.vert:VISIBILITY";

@@ -59,18 +59,25 @@ class Frontend {
   std::uint64_t clipped_count() const { return clipped_; }          // source triangles that crossed a clip plane
   std::uint64_t allocated_bytes() const;
   GpuScene& scene() { return scene_; }
+  gpu::Device& device() { return device_; }
   gpu::Buffer& clip_matrices() { return clip_matrices_; }  // object to clip, one for each instance
   std::uint32_t triangle_slots() const { return chunk_count_ * SUBPIXEL_CHUNK_TRIANGLES; }  // records of pieces follow
-  // For tests: the records and the hull indices (4 * record + corner, 3 a hull triangle) of the last run.
-  gpu::Buffer& records() { return records_; }
-  gpu::Buffer& hull_indices() { return hull_indices_; }
-
- private:
+  // Consecutive draws of one material, as chunks of SUBPIXEL_CHUNK_TRIANGLES triangles.
   struct Batch {
     std::uint32_t first_chunk = 0, last_chunk = 0;  // [first, last)
     std::uint32_t material = 0;
     bool alpha_test = false;
   };
+  const std::vector<Batch>& material_batches() const { return material_batches_; }
+  std::uint32_t chunk_count() const { return chunk_count_; }
+  gpu::Buffer& counts() { return counts_; }            // by slot, COUNT_ bits of frontend_types.h
+  gpu::Buffer& piece_bases() { return piece_bases_; }  // of clipped slots
+  HullPush hull_push() const;
+  // For tests: the records and the hull indices (4 * record + corner, 3 a hull triangle) of the last run.
+  gpu::Buffer& records() { return records_; }
+  gpu::Buffer& hull_indices() { return hull_indices_; }
+
+ private:
   void build_chunks();
   void build_clip_matrices();
   void record_culling(gpu::PassRecorder& recorder);

@@ -214,6 +214,9 @@ void PassRecorder::compute(ComputePass pass) {
   step.record = [this, pipeline, pass = std::move(pass)](VkCommandBuffer commands) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
     bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.bindings, {});
+    if (pass.material)
+      vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, device_.pipelines().layout(), 1, 1,
+                              &pass.material, 0, nullptr);
     vkCmdPushConstants(commands, device_.pipelines().layout(), VK_SHADER_STAGE_ALL, 0, kPushConstantBytes,
                        pass.push.bytes.data());
     if (pass.indirect)

@@ -47,7 +47,8 @@ struct ComputePass {
   std::vector<Buffer*> by_address;  // written or read through buffer_reference
   PushConstants push;
   std::array<std::uint32_t, 3> groups{1, 1, 1};
-  Buffer* indirect = nullptr;  // the three group counts are read from its start instead of `groups`
+  VkDescriptorSet material = VK_NULL_HANDLE;  // set 1, if the shader reads a material's textures
+  Buffer* indirect = nullptr;                 // the three group counts are read from its start instead of `groups`
 };
 
 // Binds further state between the draws of one raster pass.

@@ -8,6 +8,7 @@
 #include <memory>
 #include <numbers>
 
+#include "replay/frontend/fragment_lists.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/streaming/streaming_types.h"
 
@@ -79,10 +80,10 @@ struct State {
   }
 };
 
-State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup, bool in_buffer) {
   const std::uint32_t quads = state_quads(setup);
   State state;
-  if (quads <= kMostAttachments) {
+  if (quads <= kMostAttachments && !in_buffer) {
     state.image = &recorder.image({"streaming state", kWords, setup.width, setup.height, 1,
                                    std::max(quads, kFewestAttachments), VK_SAMPLE_COUNT_1_BIT, kTarget, true});
   } else {
@@ -119,6 +120,56 @@ void record_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, co
                                      VK_SAMPLE_COUNT_1_BIT, kTarget, false})}};
   }
   setup.frontend.record_geometry(recorder, std::move(geometry));
+}
+
+// The same state by passes over fragment lists.
+void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+                             const State& state) {
+  gpu::Buffer& passed = recorder.buffer("passed fragments", std::uint64_t{setup.width} * setup.height * 4);
+  gpu::Buffer& surfaces = recorder.buffer("fragment surfaces", lists.count * 24);
+  gpu::Buffer& surfaces_address = recorder.buffer("fragment surfaces address", sizeof(VkDeviceAddress));
+  surfaces_address.as<VkDeviceAddress>()[0] = surfaces.address();
+
+  ListedPass listed;
+  listed.constants = common_constants(setup);
+  append(listed.constants, streaming_constants(setup));
+  if (setup.scene.features().has(FEATURE_ALPHA_TEST)) {
+    listed.name = "alpha";
+    listed.shader = "techniques/streaming/alpha.comp";
+    listed.alpha_only = true;
+    record_listed_fragments(recorder, setup, lists, listed);
+    listed.alpha_only = false;
+  }
+
+  struct {
+    std::array<std::uint64_t, 4> lists;
+    std::uint64_t records, state, passed;
+    std::uint32_t width, height;
+  } push{{}, setup.frontend.records().address(), state.words->address(), passed.address(), setup.width, setup.height};
+  for (std::size_t i = 0; i < push.lists.size(); ++i) push.lists[i] = lists.buffers()[i]->address();
+  gpu::ComputePass pass;
+  pass.name = "depth test";
+  pass.shader = "techniques/streaming/depth_test.comp";
+  pass.constants = setup.frontend.constants();
+  append(pass.constants, streaming_constants(setup));
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
+  pass.by_address = {lists.fragments, lists.numbers, lists.ends, &setup.frontend.records(), state.words, &passed};
+  pass.push = gpu::PushConstants(push);
+  pass.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
+  recorder.compute(pass);
+
+  listed.name = "attributes";
+  listed.shader = "techniques/streaming/attributes.comp";
+  listed.bindings = {gpu::reads(1, surfaces_address)};
+  listed.by_address = {&surfaces};
+  record_listed_fragments(recorder, setup, lists, listed);
+
+  push.records = surfaces.address();
+  pass.name = "merge";
+  pass.shader = "techniques/streaming/merge.comp";
+  pass.by_address = {lists.fragments, lists.numbers, lists.ends, &surfaces, state.words, &passed};
+  pass.push = gpu::PushConstants(push);
+  recorder.compute(pass);
 }
 
 void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const State& state) {
@@ -165,8 +216,13 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Sta
 
 void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   setup.frontend.record_setup(recorder);
-  const State state = make_state(recorder, setup);
-  record_compression(recorder, setup, state);
+  const bool listed = setup.choice("order") == "lists";
+  const auto lists = listed ? record_fragment_lists(recorder, setup, "collect") : std::nullopt;
+  const State state = make_state(recorder, setup, lists.has_value());
+  if (lists)
+    record_list_compression(recorder, setup, *lists, state);
+  else
+    record_compression(recorder, setup, state);
   record_shading(recorder, setup, state);
   record_maps(recorder, setup, state);
 }
@@ -214,6 +270,10 @@ const Technique kStreaming{
          {"intervals", "depth_test"}),
      choice_parameter("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
                       {"view", "clip"}),
+     choice_parameter("order",
+                      "how a pixel's fragments come in submission order: as lists where they fit the device's memory, "
+                      "or in one ordered geometry pass, as published",
+                      {"lists", "one_pass"}),
      alpha_parameter(), resolve_parameter(), shading_parameter()},
     {{"merges", "Fragments merged", "fragments", 16},
      {"discards", "Samples discarded while visible", "samples", 8},

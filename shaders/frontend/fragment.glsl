@@ -1,5 +1,6 @@
 // A fragment: what the front-end gives every geometry pass for a triangle and a pixel.
-// Reads: the flat outputs of hull.vert. Define WITH_UV for textures, WITH_ATTRIBUTES for all vertex attributes.
+// Reads: the flat outputs of hull.vert; with LISTED what listed_fragment.glsl loads. Define WITH_UV for textures, WITH_ATTRIBUTES
+// for all vertex attributes.
 #ifndef SUBPIXEL_FRAGMENT_GLSL
 #define SUBPIXEL_FRAGMENT_GLSL
 
@@ -13,24 +14,29 @@ layout(constant_id = 3) const uint ALPHA_MODE = 0u;  // 0 to_coverage, 1 test, 2
 
 layout(set = 0, binding = 11, scalar) readonly buffer Materials { MaterialRecord materials[]; };
 
-layout(location = 0) in flat uvec4 in_v01;
-layout(location = 1) in flat uvec4 in_v2_ref;
-layout(location = 2) in flat uvec4 in_depth;
-layout(location = 3) in flat uvec4 in_ids;
+#ifdef LISTED
+#define FLAT_INPUT(place, type, name) type name;
+#else
+#define FLAT_INPUT(place, type, name) layout(location = place) in flat type name;
+#endif
+FLAT_INPUT(0, uvec4, in_v01)
+FLAT_INPUT(1, uvec4, in_v2_ref)
+FLAT_INPUT(2, uvec4, in_depth)
+FLAT_INPUT(3, uvec4, in_ids)
 #ifdef WITH_UV
-layout(location = 4) in flat vec3 in_clip0;
-layout(location = 5) in flat vec3 in_clip1;
-layout(location = 6) in flat vec3 in_clip2;
-layout(location = 7) in flat vec4 in_uv01;
-layout(location = 8) in flat vec2 in_uv2;
+FLAT_INPUT(4, vec3, in_clip0)
+FLAT_INPUT(5, vec3, in_clip1)
+FLAT_INPUT(6, vec3, in_clip2)
+FLAT_INPUT(7, vec4, in_uv01)
+FLAT_INPUT(8, vec2, in_uv2)
 #endif
 #ifdef WITH_ATTRIBUTES
-layout(location = 9) in flat vec3 in_normal0;
-layout(location = 10) in flat vec3 in_normal1;
-layout(location = 11) in flat vec3 in_normal2;
-layout(location = 12) in flat vec4 in_tangent0;
-layout(location = 13) in flat vec4 in_tangent1;
-layout(location = 14) in flat vec4 in_tangent2;
+FLAT_INPUT(9, vec3, in_normal0)
+FLAT_INPUT(10, vec3, in_normal1)
+FLAT_INPUT(11, vec3, in_normal2)
+FLAT_INPUT(12, vec4, in_tangent0)
+FLAT_INPUT(13, vec4, in_tangent1)
+FLAT_INPUT(14, vec4, in_tangent2)
 #endif
 
 uint fragment_triangle() { return in_ids.y; }

@@ -8,6 +8,7 @@
 // Reads: records; with ATTRIBUTES the source triangle's vertices. Writes: position and the flat outputs.
 #include "include/frame.glsl"
 #include "frontend/hull_interface.glsl"
+#include "frontend/source_triangle.glsl"
 
 layout(location = 0) out flat uvec4 out_v01;
 layout(location = 1) out flat uvec4 out_v2_ref;
@@ -42,46 +43,22 @@ void main() {
   out_depth = push.records.record[record].depth;
   out_ids = uvec4(depth2.x, record, depth2.w, 0u);
 #ifdef WITH_UV
-  mat4 clip_from_object = push.clip_matrices.clip_from_object[hull2_id.w];
-  vec3 clip[3];
-  vec2 uv[3];
-  uvec3 vertex;
-  for (uint k = 0u; k < 3u; ++k) {
-    vertex[k] = push.indices.index[hull2_id.z + k];
-    // x and y in pixels times w, as pixel positions are.
-    vec4 c = clip_from_object * vec4(push.positions.position[vertex[k]], 1.0);
-    clip[k] = vec3((c.xy + c.w) * 0.5 * frame.viewport.xy, c.w);
-    uv[k] = (FEATURES & kUvFeatures) != 0u ? push.uvs.uv[vertex[k]] : vec2(0.0);
-  }
-  out_clip0 = clip[0];
-  out_clip1 = clip[1];
-  out_clip2 = clip[2];
-  out_uv01 = vec4(uv[0], uv[1]);
-  out_uv2 = uv[2];
+  SourceTriangle source;
+  uvec3 vertex = source_vertices(hull2_id.z);
+  source_clip_uv(vertex, hull2_id.w, source);
+  out_clip0 = source.clip[0];
+  out_clip1 = source.clip[1];
+  out_clip2 = source.clip[2];
+  out_uv01 = vec4(source.uv[0], source.uv[1]);
+  out_uv2 = source.uv[2];
 #endif
 #ifdef WITH_ATTRIBUTES
-  // RECORD_BACK_FACE turns normals and tangents to the viewer's side here, once.
-  InstanceRecord instance = push.instances.instance[hull2_id.w];
-  float side = (v2_ref.w & RECORD_BACK_FACE) != 0u ? -1.0 : 1.0;
-  vec3 normal[3];
-  vec4 tangent[3];
-  for (uint k = 0u; k < 3u; ++k) {
-    vec3 n = push.normals.normal[vertex[k]];
-    normal[k] = side * vec3(dot(instance.normal_row[0].xyz, n), dot(instance.normal_row[1].xyz, n),
-                            dot(instance.normal_row[2].xyz, n));
-    tangent[k] = vec4(0.0);
-    if (has_feature(FEATURE_NORMAL_MAP)) {
-      vec4 t = push.tangents.tangent[vertex[k]];
-      float sign = (v2_ref.w & RECORD_MIRRORED) != 0u ? -t.w : t.w;
-      tangent[k] = side * vec4(dot(instance.world_row[0].xyz, t.xyz), dot(instance.world_row[1].xyz, t.xyz),
-                               dot(instance.world_row[2].xyz, t.xyz), sign);
-    }
-  }
-  out_normal0 = normal[0];
-  out_normal1 = normal[1];
-  out_normal2 = normal[2];
-  out_tangent0 = tangent[0];
-  out_tangent1 = tangent[1];
-  out_tangent2 = tangent[2];
+  source_normals(vertex, hull2_id.w, v2_ref.w, source);
+  out_normal0 = source.normal[0];
+  out_normal1 = source.normal[1];
+  out_normal2 = source.normal[2];
+  out_tangent0 = source.tangent[0];
+  out_tangent1 = source.tangent[1];
+  out_tangent2 = source.tangent[2];
 #endif
 }

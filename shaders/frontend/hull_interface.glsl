@@ -25,6 +25,9 @@ layout(push_constant, scalar) uniform Push {
   Instances instances;
   uint material;      // of the batch being drawn
   uint triangle_slots;  // records of clipped pieces start here
+#ifdef LISTED
+  uint first_fragment, last_fragment;  // of the batch, by triangle
+#endif
 } push;
 
 const uint kUvFeatures = FEATURE_BASE_TEXTURE | FEATURE_NORMAL_MAP | FEATURE_ROUGHNESS_TEXTURE | FEATURE_EMISSIVE_TEXTURE;

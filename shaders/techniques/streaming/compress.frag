@@ -11,15 +11,7 @@
 #include "techniques/streaming/compress.glsl"
 #include "techniques/streaming/state.glsl"
 #include "include/ordered_state.glsl"
-#include "techniques/streaming/plane.glsl"
-
-// shading_offset() of the geometry that `mask` came from.
-vec2 mask_offset(PixelEdges edges, uint mask) {
-  vec2 sum = vec2(0.0);
-  for (uint i = 0u; i < SAMPLES; ++i) sum += (mask & (1u << i)) != 0u ? vec2(sample_offset(SAMPLES, i)) : vec2(0.0);
-  float count = float(int(bitCount(mask)));
-  return covers(edges, ivec2(0)) ? vec2(0.0) : sum / (max(count, 1.0) * float(SUBPIXEL_SAMPLE_GRID));
-}
+#include "techniques/streaming/fragment.glsl"
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
@@ -54,16 +46,9 @@ void main() {
       StreamSurface surface[STREAM_MAX_SURFACES];
       stream_unpack(list, word, surface);
 
-      vec2 offset = mask_offset(edges, geometry);
-      uvec4 packed = pack_surface(fragment_surface(pixel, offset));
-      StreamSurface fragment;
-      stream_plane(plane, pixel, offset, fragment.depth, fragment.slopes);
+      StreamSurface fragment = stream_fragment(pixel, edges, plane, geometry);
       fragment.coverage = mask;
       fragment.resolved = stream_option(STREAM_DEPTH_TESTED) ? passed : mask;
-      fragment.albedo = packed.x;
-      fragment.normal = packed.y;
-      fragment.roughness = packed.z & 255u;
-      fragment.emission = packed.w;
       stream_add(word, surface, fragment);
 
       stream_pack(word, surface, list);

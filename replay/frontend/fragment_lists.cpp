@@ -1,0 +1,217 @@
+#include "replay/frontend/fragment_lists.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "shaders/frontend/frontend_types.h"
+
+namespace subpixel::replay {
+namespace {
+
+constexpr std::uint32_t kMostGroups = 65535;  // in each dimension, Vulkan's required limit
+
+std::uint32_t groups_of(std::uint64_t items) {
+  return static_cast<std::uint32_t>((items + 63) / 64);
+}
+
+// ListAddresses of shaders/frontend/fragment_lists.glsl.
+struct Addresses {
+  std::uint64_t fragments = 0, numbers = 0, ends = 0, bases = 0;
+};
+
+Addresses addresses_of(const FragmentLists& lists) {
+  return {lists.fragments->address(), lists.numbers->address(), lists.ends->address(), lists.bases->address()};
+}
+
+// Where the counting passes write; sums are scanned over chunks of triangles and groups of pixels.
+struct Counted {
+  gpu::Buffer *ends, *bases, *chunk_sums, *pixel_sums, *addresses;
+};
+
+Counted make_counted(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  const Frontend& frontend = setup.frontend;
+  const std::uint64_t pixels = std::uint64_t{setup.width} * setup.height;
+  return {&recorder.buffer("pixel list ends", pixels * 4),
+          &recorder.buffer("fragment bases", setup.frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 4),
+          &recorder.buffer("fragment sums", (std::uint64_t{frontend.chunk_count()} + 1) * 16),
+          &recorder.buffer("pixel list sums", (groups_of(pixels) + 1) * 16),
+          &recorder.buffer("list addresses", sizeof(Addresses))};
+}
+
+// Both kinds of triangles, counted or stored.
+void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+                       const std::string& name, const std::string& variant) {
+  Frontend& frontend = setup.frontend;
+  const std::uint32_t groups = groups_of(frontend.small_count());
+  const std::uint32_t runs = std::clamp(std::thread::hardware_concurrency(), 1u, 64u);
+  struct {
+    Addresses lists;
+    std::uint64_t records;
+    std::uint32_t count, groups, runs, width, height;
+  } const push{addresses_of(lists),
+               frontend.records().address(),
+               static_cast<std::uint32_t>(frontend.small_count()),
+               groups,
+               runs,
+               setup.width,
+               setup.height};
+  std::vector<gpu::Buffer*> written;
+  for (gpu::Buffer* buffer : lists.buffers())
+    if (buffer != lists.addresses) written.push_back(buffer);
+  gpu::ComputePass small;
+  small.name = name;
+  small.shader = "frontend/collect.comp:" + variant;
+  small.constants = frontend.constants();
+  small.bindings = {gpu::reads(0, frontend.small_records())};
+  small.by_address = written;
+  small.by_address.push_back(&frontend.records());
+  small.push = gpu::PushConstants(push);
+  small.groups = {(groups + runs - 1) / runs * runs, 1, 1};
+  recorder.compute(std::move(small));
+
+  Frontend::GeometryPass rest;
+  rest.without_small = true;
+  rest.fragment_opaque = rest.fragment_alpha = "frontend/collect.frag:" + variant;
+  rest.pass.name = name;
+  rest.pass.pipeline.constants = common_constants(setup);
+  rest.pass.size = {setup.width, setup.height};
+  rest.pass.bindings = {gpu::reads(0, *lists.addresses)};
+  rest.pass.by_address = written;
+  frontend.record_geometry(recorder, std::move(rest));
+}
+
+// Counts the fragments of pixels and records and turns the counts into bases.
+void record_counting(gpu::PassRecorder& recorder, const FrameSetup& setup, const Counted& counted,
+                     const FragmentLists& lists, const std::string& name) {
+  Frontend& frontend = setup.frontend;
+  frontend.record_small_list(recorder, name);
+  recorder.fill(name, *counted.ends, 0);
+  recorder.fill(name, *counted.bases, 0);
+  record_collection(recorder, setup, lists, name, "COUNT");
+
+  gpu::ComputePass bases;
+  bases.name = name;
+  bases.bindings = {gpu::reads(0, frontend.counts()), gpu::writes(1, *counted.chunk_sums),
+                    gpu::reads(2, frontend.piece_bases()), gpu::writes(3, *counted.bases)};
+  struct {
+    std::uint32_t chunk_count, triangle_slots;
+  } const chunks{frontend.chunk_count(), frontend.triangle_slots()};
+  bases.push = gpu::PushConstants(chunks);
+  bases.groups = {groups_of(frontend.chunk_count()), 1, 1};
+
+  const std::uint32_t count = setup.width * setup.height, groups = groups_of(count);
+  gpu::ComputePass pixels;
+  pixels.name = name;
+  pixels.bindings = {gpu::writes(0, *counted.ends), gpu::writes(1, *counted.pixel_sums)};
+  struct {
+    std::uint32_t groups, count;
+  } const range{groups, count};
+  pixels.push = gpu::PushConstants(range);
+  pixels.groups = {groups_of(groups), 1, 1};
+
+  gpu::ComputePass scan;
+  scan.name = name;
+  scan.shader = "frontend/scan.comp";
+
+  bases.shader = "frontend/fragment_bases.comp:SUM";
+  recorder.compute(bases);
+  pixels.shader = "frontend/pixel_bases.comp:SUM";
+  recorder.compute(pixels);
+  scan.bindings = {gpu::writes(0, *counted.chunk_sums)};
+  scan.push = gpu::PushConstants(frontend.chunk_count());
+  recorder.compute(scan);
+  scan.bindings = {gpu::writes(0, *counted.pixel_sums)};
+  scan.push = gpu::PushConstants(groups);
+  recorder.compute(scan);
+  bases.shader = "frontend/fragment_bases.comp:BASE";
+  recorder.compute(bases);
+  pixels.shader = "frontend/pixel_bases.comp:BASE";
+  recorder.compute(pixels);
+}
+
+FragmentLists lists_of(const Counted& counted) {
+  FragmentLists lists;
+  // Counting does not touch the two that are sized by it.
+  lists.fragments = lists.numbers = counted.addresses;
+  lists.ends = counted.ends;
+  lists.bases = counted.bases;
+  lists.addresses = counted.addresses;
+  lists.addresses->as<Addresses>()[0] = addresses_of(lists);
+  return lists;
+}
+
+}  // namespace
+
+std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
+                                                   const std::string& name) {
+  Frontend& frontend = setup.frontend;
+  if (groups_of(frontend.small_count()) + 64 > kMostGroups) return std::nullopt;
+  FragmentLists lists;
+  {
+    gpu::PassRecorder sizing(setup.frontend.device());
+    frontend.record_setup(sizing);
+    const Counted counted = make_counted(sizing, setup);
+    record_counting(sizing, setup, counted, lists_of(counted), name);
+    sizing.run();
+    const auto sums = counted.chunk_sums->as<glm::uvec4>();
+    lists.count = sums[frontend.chunk_count()].x;
+    const auto begins = counted.ends->as<std::uint32_t>();
+    std::uint32_t longest = 0;
+    for (std::size_t p = 0; p < begins.size(); ++p) {
+      const std::uint64_t next = p + 1 < begins.size() ? begins[p + 1] : lists.count;
+      longest = std::max(longest, static_cast<std::uint32_t>(next - begins[p]));
+    }
+    if (lists.count > kMostFragments || longest > kLongestList) return std::nullopt;
+    for (const Frontend::Batch& batch : frontend.material_batches()) {
+      const std::uint64_t first = sums[batch.first_chunk].x, last = sums[batch.last_chunk].x;
+      if (first < last) lists.batches.push_back({first, last, batch.material, batch.alpha_test});
+    }
+  }
+
+  const Counted counted = make_counted(recorder, setup);
+  FragmentLists counting = lists_of(counted);
+  lists.ends = counted.ends;
+  lists.bases = counted.bases;
+  lists.addresses = counted.addresses;
+  lists.fragments = &recorder.buffer("fragments", lists.count * 16);
+  lists.numbers = &recorder.buffer("fragment numbers", lists.count * 4);
+  lists.addresses->as<Addresses>()[0] = addresses_of(lists);
+  record_counting(recorder, setup, counted, counting, name);
+  record_collection(recorder, setup, lists, name, "STORE");
+  return lists;
+}
+
+void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+                             const ListedPass& pass) {
+  Frontend& frontend = setup.frontend;
+  GpuScene& scene = setup.scene;
+  for (const FragmentLists::Batch& batch : lists.batches) {
+    if (pass.alpha_only && !batch.alpha_test) continue;
+    struct {
+      HullPush hull;
+      std::uint32_t first, last;
+    } push{frontend.hull_push(), static_cast<std::uint32_t>(batch.first), static_cast<std::uint32_t>(batch.last)};
+    push.hull.material = batch.material;
+    const std::uint32_t groups = groups_of(batch.last - batch.first), row = std::min(groups, kMostGroups);
+    gpu::ComputePass compute;
+    compute.name = pass.name;
+    compute.shader = pass.shader;
+    compute.constants = frontend.constants();
+    compute.constants.insert(compute.constants.end(), pass.constants.begin(), pass.constants.end());
+    compute.bindings = pass.bindings;
+    compute.bindings.push_back(gpu::uniform(scene.frame_constants));
+    compute.bindings.push_back(gpu::reads(0, *lists.addresses));
+    compute.bindings.push_back(gpu::reads(10, scene.materials));
+    compute.by_address = pass.by_address;
+    compute.by_address.insert(
+        compute.by_address.end(),
+        {lists.fragments, lists.numbers, lists.ends, &frontend.records(), &scene.positions, &scene.normals, &scene.uvs,
+         &scene.tangents, &scene.indices, &frontend.clip_matrices(), &scene.instances});
+    compute.push = gpu::PushConstants(push);
+    compute.material = scene.material_set(batch.material);
+    compute.groups = {row, (groups + row - 1) / row, 1};
+    recorder.compute(std::move(compute));
+  }
+}
+
+}  // namespace subpixel::replay

@@ -1,0 +1,15 @@
+// What streaming's passes over fragment lists share. The third word of a fragment is its mask, the fourth the samples that
+// passed the depth test in their turn.
+#ifndef SUBPIXEL_STREAMING_LISTED_GLSL
+#define SUBPIXEL_STREAMING_LISTED_GLSL
+
+// Of each fragment that passed: depth bits, slopes, albedo, normal; roughness and emission.
+struct ListedSurface {
+  uvec4 words;
+  uvec2 more;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer ListedSurfaces { ListedSurface surface[]; };
+// How many fragments of each pixel passed; their numbers stand first in its part of the list.
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PassedCounts { uint passed[]; };
+
+#endif
