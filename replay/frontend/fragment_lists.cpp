@@ -40,9 +40,9 @@ Counted make_counted(gpu::PassRecorder& recorder, const FrameSetup& setup) {
 
 // Both kinds of triangles, counted or stored.
 void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
-                       const std::string& name, const std::string& variant) {
+                       const std::string& name, ListedMasks masks, const std::string& variant) {
   Frontend& frontend = setup.frontend;
-  const std::uint32_t groups = groups_of(frontend.small_count());
+  const std::uint32_t groups = groups_of(frontend.small_count(true));
   const std::uint32_t runs = std::clamp(std::thread::hardware_concurrency(), 1u, 64u);
   struct {
     Addresses lists;
@@ -50,7 +50,7 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
     std::uint32_t count, groups, runs, width, height;
   } const push{addresses_of(lists),
                frontend.records().address(),
-               static_cast<std::uint32_t>(frontend.small_count()),
+               static_cast<std::uint32_t>(frontend.small_count(true)),
                groups,
                runs,
                setup.width,
@@ -62,6 +62,7 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   small.name = name;
   small.shader = "frontend/collect.comp:" + variant;
   small.constants = frontend.constants();
+  small.constants.emplace_back(7, static_cast<std::uint32_t>(masks));
   small.bindings = {gpu::reads(0, frontend.small_records())};
   small.by_address = written;
   small.by_address.push_back(&frontend.records());
@@ -74,6 +75,7 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   rest.fragment_opaque = rest.fragment_alpha = "frontend/collect.frag:" + variant;
   rest.pass.name = name;
   rest.pass.pipeline.constants = common_constants(setup);
+  rest.pass.pipeline.constants.emplace_back(7, static_cast<std::uint32_t>(masks));
   rest.pass.size = {setup.width, setup.height};
   rest.pass.bindings = {gpu::reads(0, *lists.addresses)};
   rest.pass.by_address = written;
@@ -82,12 +84,12 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
 
 // Counts the fragments of pixels and records and turns the counts into bases.
 void record_counting(gpu::PassRecorder& recorder, const FrameSetup& setup, const Counted& counted,
-                     const FragmentLists& lists, const std::string& name) {
+                     const FragmentLists& lists, const std::string& name, ListedMasks masks) {
   Frontend& frontend = setup.frontend;
-  frontend.record_small_list(recorder, name);
+  frontend.record_small_list(recorder, name, true);
   recorder.fill(name, *counted.ends, 0);
   recorder.fill(name, *counted.bases, 0);
-  record_collection(recorder, setup, lists, name, "COUNT");
+  record_collection(recorder, setup, lists, name, masks, "COUNT");
 
   gpu::ComputePass bases;
   bases.name = name;
@@ -143,15 +145,15 @@ FragmentLists lists_of(const Counted& counted) {
 }  // namespace
 
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
-                                                   const std::string& name) {
+                                                   const std::string& name, ListedMasks masks) {
   Frontend& frontend = setup.frontend;
-  if (groups_of(frontend.small_count()) + 64 > kMostGroups) return std::nullopt;
+  if (groups_of(frontend.small_count(true)) + 64 > kMostGroups) return std::nullopt;
   FragmentLists lists;
   {
     gpu::PassRecorder sizing(setup.frontend.device());
     frontend.record_setup(sizing);
     const Counted counted = make_counted(sizing, setup);
-    record_counting(sizing, setup, counted, lists_of(counted), name);
+    record_counting(sizing, setup, counted, lists_of(counted), name, masks);
     sizing.run();
     const auto sums = counted.chunk_sums->as<glm::uvec4>();
     lists.count = sums[frontend.chunk_count()].x;
@@ -161,7 +163,8 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
       const std::uint64_t next = p + 1 < begins.size() ? begins[p + 1] : lists.count;
       longest = std::max(longest, static_cast<std::uint32_t>(next - begins[p]));
     }
-    if (lists.count > kMostFragments || longest > kLongestList) return std::nullopt;
+    const std::uint64_t most = std::min(kMostFragmentsPerPixel * setup.width * setup.height, kMostFragments);
+    if (lists.count > most || longest > kLongestList) return std::nullopt;
     for (const Frontend::Batch& batch : frontend.material_batches()) {
       const std::uint64_t first = sums[batch.first_chunk].x, last = sums[batch.last_chunk].x;
       if (first < last) lists.batches.push_back({first, last, batch.material, batch.alpha_test});
@@ -176,8 +179,8 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
   lists.fragments = &recorder.buffer("fragments", lists.count * 16);
   lists.numbers = &recorder.buffer("fragment numbers", lists.count * 4);
   lists.addresses->as<Addresses>()[0] = addresses_of(lists);
-  record_counting(recorder, setup, counted, counting, name);
-  record_collection(recorder, setup, lists, name, "STORE");
+  record_counting(recorder, setup, counted, counting, name, masks);
+  record_collection(recorder, setup, lists, name, masks, "STORE");
   return lists;
 }
 

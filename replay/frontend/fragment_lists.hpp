@@ -26,16 +26,19 @@ struct FragmentLists {
   std::array<gpu::Buffer*, 4> buffers() const { return {fragments, numbers, ends, bases}; }
 };
 
-// Numbers of a pixel's fragments that shaders can sort within the 65,535 turns of loops that some drivers end at; what
-// all fragments may be, at 16 bytes each and what a technique adds.
-inline constexpr std::uint32_t kLongestList = 240;
-inline constexpr std::uint64_t kMostFragments = 24'000'000;
+// Fragments of one pixel that shaders can sort within the 65,535 turns of loops that some drivers end at.
+inline constexpr std::uint32_t kLongestList = 2000;
+// Fragments a pixel, and in all: they take 20 bytes each and what a technique adds, and where a frame is that deep most
+// of its fragments are hidden ones, for which an ordered pass is faster.
+inline constexpr std::uint64_t kMostFragmentsPerPixel = 12, kMostFragments = 32'000'000;
 
-// Collects the current frame's fragments, passes `name`; set-up is recorded already. Up to 16 samples each has a sample
-// and carries their mask as geometry has it, before alpha; with more samples masks are the technique's to make. Nothing
-// when the frame has more than the limits above: one run on the spot counts them.
+// Collects the current frame's fragments, passes `name`; set-up is recorded already. With masks, of up to 32 samples,
+// each fragment has a sample and carries those that geometry covers, before alpha; without, lists hold all pixels that
+// a triangle's edges reach, and masks are the technique's to make. Nothing when the frame has more than the limits
+// above: a run on the spot counts them.
+enum class ListedMasks : std::uint32_t { later = 0, collected = 1 };
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
-                                                   const std::string& name);
+                                                   const std::string& name, ListedMasks masks);
 
 // A pass over the fragments material by material, textures bound: one invocation for each fragment of a batch, whose
 // range the shader finds in its push constants (shaders/frontend/listed_fragment.glsl). With `alpha_only` over

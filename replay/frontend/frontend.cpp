@@ -17,6 +17,11 @@ struct FrontendPush {
   std::uint32_t chunk_count, triangle_slots, piece_capacity;
 };
 
+// Push constants of chunk_sum.comp; of scan.comp the first.
+struct SumPush {
+  std::uint32_t chunk_count, triangle_slots, small_bits;
+};
+
 constexpr std::uint32_t kChunk = SUBPIXEL_CHUNK_TRIANGLES;
 // A dispatch may have at least this many groups in each dimension (Vulkan's required limit).
 constexpr std::uint32_t kMaxGroups = 65535;
@@ -148,6 +153,8 @@ void Frontend::prepare(std::uint32_t samples) {
   pieces_ = totals.y;
   hulls_ = totals.z;
   small_count_ = totals.w;
+  small_tested_ = static_cast<std::uint64_t>(std::ranges::count_if(
+      counts_.as<std::uint32_t>(), [](std::uint32_t count) { return (count & COUNT_SMALL_TESTED) != 0; }));
   records_ = gpu::Buffer(device_, "triangle records", (slots + pieces_) * sizeof(gpu_types::TriangleRecord));
   hull_indices_ = gpu::Buffer(device_, "hull indices", hull_triangles_ * 3 * sizeof(std::uint32_t));
   visible_indices_ = gpu::Buffer(device_, "visible hull indices", hull_triangles_ * 3 * sizeof(std::uint32_t));
@@ -155,7 +162,7 @@ void Frontend::prepare(std::uint32_t samples) {
   rest_indices_ = gpu::Buffer(device_, "hull indices without small triangles", hull_indices_.bytes());
   rest_commands_ = gpu::Buffer(device_, "draws without small triangles",
                                visibility_batches_.size() * sizeof(VkDrawIndexedIndirectCommand));
-  small_records_ = gpu::Buffer(device_, "small triangles", small_count_ * sizeof(std::uint32_t));
+  small_records_ = gpu::Buffer(device_, "small triangles", small_count(true) * sizeof(std::uint32_t));
   visible_ = gpu::Buffer(device_, "visible triangles", (slots + pieces_) * sizeof(std::uint32_t));
   visible_sums_ = gpu::Buffer(device_, "visible sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec4));
   visible_commands_ =
@@ -193,7 +200,8 @@ void Frontend::record_culling(gpu::PassRecorder& recorder) {
   sum.name = "setup";
   sum.shader = "frontend/chunk_sum.comp:ALL";
   sum.bindings = {gpu::reads(0, counts_), gpu::writes(1, sums_)};
-  sum.push = gpu::PushConstants(chunk_count_);
+  const SumPush sum_push{chunk_count_, chunk_count_ * kChunk, COUNT_SMALL};
+  sum.push = gpu::PushConstants(sum_push);
   sum.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(sum);
 
@@ -244,12 +252,14 @@ void Frontend::record_setup(gpu::PassRecorder& recorder) {
   record_arguments(recorder, "setup", visibility_batches_.size(), visibility_ranges_, sums_, visibility_commands_);
 }
 
-void Frontend::record_small_list(gpu::PassRecorder& recorder, const std::string& name) {
+void Frontend::record_small_list(gpu::PassRecorder& recorder, const std::string& name, bool with_tested) {
+  const std::uint32_t small_bits = COUNT_SMALL | (with_tested ? COUNT_SMALL_TESTED : 0);
   gpu::ComputePass pass;
   pass.name = name;
   pass.shader = "frontend/chunk_sum.comp:REST";
   pass.bindings = {gpu::reads(0, counts_), gpu::writes(1, rest_sums_)};
-  pass.push = gpu::PushConstants(chunk_count_);
+  const SumPush sum_push{chunk_count_, triangle_slots(), small_bits};
+  pass.push = gpu::PushConstants(sum_push);
   pass.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(pass);
   pass.shader = "frontend/scan.comp";
@@ -257,9 +267,9 @@ void Frontend::record_small_list(gpu::PassRecorder& recorder, const std::string&
   pass.groups = {1, 1, 1};
   recorder.compute(pass);
   struct {
-    std::uint32_t chunk_count, triangle_slots, hull_capacity, small_capacity;
+    std::uint32_t chunk_count, triangle_slots, hull_capacity, small_capacity, small_bits;
   } const push{chunk_count_, triangle_slots(), static_cast<std::uint32_t>(hull_triangles_),
-               static_cast<std::uint32_t>(small_count_)};
+               static_cast<std::uint32_t>(small_count(with_tested)), small_bits};
   pass.push = gpu::PushConstants(push);
   pass.shader = "frontend/emit.comp:REST";
   pass.bindings = {gpu::reads(0, counts_), gpu::reads(1, rest_sums_), gpu::writes(2, rest_indices_),

@@ -36,14 +36,15 @@ class Frontend {
     gpu::RasterPass pass;
     std::string fragment_opaque, fragment_alpha;
     bool by_material = false;
-    bool without_small = false;  // leaves out the triangles that record_small_list() lists; not with `by_material`
+    bool without_small = false;  // leaves out the triangles that record_small_list() listed; not with `by_material`
   };
   void record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry);
 
-  // Triangles so small that a pass does better to rasterise them in compute (COUNT_SMALL): how many, known from
-  // prepare(); where their records are listed, in submission order, once the passes named `name` have run.
-  std::uint64_t small_count() const { return small_count_; }
-  void record_small_list(gpu::PassRecorder& recorder, const std::string& name);
+  // Triangles so small that a pass does better to rasterise them in compute (COUNT_SMALL_ bits): how many, known from
+  // prepare(); where their records are listed, in submission order, once the passes named `name` have run. Alpha-tested
+  // ones on demand.
+  std::uint64_t small_count(bool with_tested = false) const { return small_count_ + (with_tested ? small_tested_ : 0); }
+  void record_small_list(gpu::PassRecorder& recorder, const std::string& name, bool with_tested = false);
   gpu::Buffer& small_records() { return small_records_; }
 
   // Finds which triangles own a sample of `visibility` (visibility.hpp), passes "compaction". From then on passes by
@@ -88,7 +89,7 @@ class Frontend {
   GpuScene& scene_;
   std::uint32_t samples_ = 0;
   std::uint32_t chunk_count_ = 0;
-  std::uint64_t hulls_ = 0, hull_triangles_ = 0, clipped_ = 0, pieces_ = 0, small_count_ = 0;
+  std::uint64_t hulls_ = 0, hull_triangles_ = 0, clipped_ = 0, pieces_ = 0, small_count_ = 0, small_tested_ = 0;
   std::vector<Batch> material_batches_, visibility_batches_;
   gpu::Buffer chunks_, clip_matrices_, counts_, clip_list_, clip_count_, sums_, piece_bases_, records_, hull_indices_;
   gpu::Buffer rest_sums_, rest_indices_, rest_commands_, small_records_;

@@ -217,7 +217,8 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Sta
 void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   setup.frontend.record_setup(recorder);
   const bool listed = setup.choice("order") == "lists";
-  const auto lists = listed ? record_fragment_lists(recorder, setup, "collect") : std::nullopt;
+  const auto lists = listed ? record_fragment_lists(recorder, setup, "collect", ListedMasks::collected) : std::nullopt;
+  if (lists) setup.outputs.counters["listed_fragments"] = lists->count;
   const State state = make_state(recorder, setup, lists.has_value());
   if (lists)
     record_list_compression(recorder, setup, *lists, state);
@@ -270,10 +271,11 @@ const Technique kStreaming{
          {"intervals", "depth_test"}),
      choice_parameter("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
                       {"view", "clip"}),
-     choice_parameter("order",
-                      "how a pixel's fragments come in submission order: as lists where they fit the device's memory, "
-                      "or in one ordered geometry pass, as published",
-                      {"lists", "one_pass"}),
+     choice_parameter(
+         "order",
+         "how fragments come in submission order: as lists by pixel where frames are not too deep, or in one "
+         "ordered geometry pass, as published; both leave the same bits",
+         {"lists", "one_pass"}),
      alpha_parameter(), resolve_parameter(), shading_parameter()},
     {{"merges", "Fragments merged", "fragments", 16},
      {"discards", "Samples discarded while visible", "samples", 8},

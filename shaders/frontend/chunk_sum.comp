@@ -18,6 +18,7 @@ layout(set = 0, binding = 5, scalar) readonly buffer Visible { uint visible[]; }
 layout(push_constant, scalar) uniform Push {
   uint chunk_count;
   uint triangle_slots;
+  uint small_bits;  // of a count: which triangles are left to compute
 } push;
 
 void main() {
@@ -27,7 +28,7 @@ void main() {
   for (uint k = 0u; k < SUBPIXEL_CHUNK_TRIANGLES; ++k) {
     uint slot = chunk * SUBPIXEL_CHUNK_TRIANGLES + k;
     uint count = counts[slot];
-    bool clipped = (count & COUNT_CLIPPED) != 0u, small = (count & COUNT_SMALL) != 0u;
+    bool clipped = (count & COUNT_CLIPPED) != 0u, small = (count & push.small_bits) != 0u;
     count &= COUNT_MASK;
     uint pieces = clipped ? count : 0u;
     uint records = clipped ? count : min(count, 1u);

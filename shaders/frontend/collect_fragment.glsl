@@ -3,12 +3,12 @@
 #ifndef SUBPIXEL_COLLECT_FRAGMENT_GLSL
 #define SUBPIXEL_COLLECT_FRAGMENT_GLSL
 
-// Up to so many samples the mask is made here and pixels without a sample are left out. More are made later, by passes whose
-// vectors are full, and the lists hold every pixel that the edges reach.
-const uint kMostListedSamples = 16u;
+// Masks of up to 32 samples are made here, and pixels without a sample left out; or later, by passes whose vectors are full, and
+// the lists hold every pixel that the edges reach.
+layout(constant_id = 7) const bool WITH_MASKS = true;
 
 uint listed_mask(PixelEdges edges) {
-  if (SAMPLES <= kMostListedSamples) return coverage_mask(edges, SAMPLES, 0u, SAMPLES);
+  if (WITH_MASKS) return coverage_mask(edges, SAMPLES, 0u, SAMPLES);
   // Samples are up to 64 steps from the centre in both directions.
   vec3 reach = 64.0 * (abs(edges.a) + abs(edges.b));
   bool outside = any(lessThan(edges.base, -reach));

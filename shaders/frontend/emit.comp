@@ -27,6 +27,7 @@ layout(push_constant, scalar) uniform Push {
   uint triangle_slots;
   uint hull_capacity;
   uint small_capacity;
+  uint small_bits;  // of a count: which triangles are listed
 } push;
 
 void main() {
@@ -36,7 +37,7 @@ void main() {
   for (uint k = 0u; k < SUBPIXEL_CHUNK_TRIANGLES; ++k) {
     uint slot = chunk * SUBPIXEL_CHUNK_TRIANGLES + k;
     uint count = counts[slot];
-    bool clipped = (count & COUNT_CLIPPED) != 0u, small = (count & COUNT_SMALL) != 0u;
+    bool clipped = (count & COUNT_CLIPPED) != 0u, small = (count & push.small_bits) != 0u;
     count &= COUNT_MASK;
     uint pieces = clipped ? count : min(count, 1u);
     uint hull = clipped ? 2u : count;

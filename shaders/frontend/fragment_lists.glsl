@@ -31,4 +31,59 @@ uvec2 list_range(ListAddresses lists, uint p) {
   return uvec2(p == 0u ? 0u : lists.ends.end[p - 1u], lists.ends.end[p]);
 }
 
+// Lists come nearly sorted, which insertion likes; long ones may not take its worst case, since some drivers end loops after
+// 65,535 turns, so they go through a heap.
+const uint kLongInsertion = 96u;
+
+void sort_by_insertion(FragmentNumbers numbers, uint begin, uint end) {
+  for (uint i = begin + 1u; i < end; ++i) {
+    uint own = numbers.number[i], place = i;
+    while (place > begin) {
+      uint before = numbers.number[place - 1u];
+      if (before <= own) break;
+      numbers.number[place] = before;
+      --place;
+    }
+    if (place != i) numbers.number[place] = own;
+  }
+}
+
+void sort_by_heap(FragmentNumbers numbers, uint begin, uint end) {
+  uint size = end - begin, unplaced = size / 2u;
+  while (size > 1u) {
+    // First every inner node sinks to its place, then the largest goes behind the shrinking heap.
+    bool building = unplaced > 0u;
+    uint node = 0u, own;
+    if (building) {
+      --unplaced;
+      node = unplaced;
+      own = numbers.number[begin + node];
+    } else {
+      --size;
+      own = numbers.number[begin + size];
+      numbers.number[begin + size] = numbers.number[begin];
+    }
+    while (true) {
+      uint child = 2u * node + 1u;
+      if (child >= size) break;
+      uint value = numbers.number[begin + child];
+      uint second = child + 1u < size ? numbers.number[begin + child + 1u] : 0u;
+      if (second > value) {
+        ++child;
+        value = second;
+      }
+      if (value <= own) break;
+      numbers.number[begin + node] = value;
+      node = child;
+    }
+    numbers.number[begin + node] = own;
+  }
+}
+
+// Brings [begin, end) of the numbers into submission order.
+void sort_list(FragmentNumbers numbers, uint begin, uint end) {
+  for (bool go = end - begin <= kLongInsertion; go; go = false) sort_by_insertion(numbers, begin, end);
+  for (bool go = end - begin > kLongInsertion; go; go = false) sort_by_heap(numbers, begin, end);
+}
+
 #endif

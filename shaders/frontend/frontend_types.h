@@ -44,12 +44,13 @@ struct TriangleRecord {
 #define RECORD_LARGE 4u  // over SUBPIXEL_SMALL_PX pixels wide or high
 #define RECORD_HUGE 8u   // over SUBPIXEL_LARGE_PX
 #define RECORD_MATERIAL_SHIFT 4
-// Screen triangles whose samples lie in no more pixels than this are small: the visibility pass may rasterise them in compute.
+// Screen triangles whose samples lie in no more pixels than this are small: passes may rasterise them in compute.
 #define SUBPIXEL_SMALL_TRIANGLE_PX 128.0
 // What set-up says of a triangle's slot: how many triangles its hull has, or how many clipped pieces there are.
 #define COUNT_CLIPPED 0x80000000u
-#define COUNT_SMALL 0x40000000u
-#define COUNT_MASK 0x3fffffffu
+#define COUNT_SMALL 0x40000000u         // opaque
+#define COUNT_SMALL_TESTED 0x20000000u  // alpha-tested
+#define COUNT_MASK 0x1fffffffu
 #define SUBPIXEL_SMALL_PX 60
 #define SUBPIXEL_LARGE_PX 4000
 

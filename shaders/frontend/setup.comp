@@ -4,7 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 // Sets up every triangle of the frame: one workgroup for each chunk, one invocation for each triangle.
 // Reads: chunks, instance clip matrices, indices, positions. Writes: the record at the triangle's own slot and how many
-// triangles its hull has, with COUNT_SMALL; triangles that cross a clip plane go to the list of the clipping pass.
+// triangles its hull has, with COUNT_SMALL or COUNT_SMALL_TESTED; triangles that cross a clip plane go to the list of the clipping pass.
 layout(local_size_x = 64) in;
 #include "frontend/setup.glsl"
 #include "frontend/geometry.glsl"
@@ -51,9 +51,10 @@ void main() {
     record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0u) | chunk.range.w << RECORD_MATERIAL_SHIFT;
     record.depth2.w = slot;
     if (count != 0u) push.records.record[slot] = record;
-    bool small = (chunk.flags.x & CHUNK_ALPHA_TEST) == 0u && (record.v2_ref.w & (RECORD_LARGE | RECORD_HUGE)) == 0u &&
+    bool small = (record.v2_ref.w & (RECORD_LARGE | RECORD_HUGE)) == 0u &&
                  pixels_reached(record) <= SUBPIXEL_SMALL_TRIANGLE_PX;
-    count |= count != 0u && small ? COUNT_SMALL : 0u;
+    uint kind = (chunk.flags.x & CHUNK_ALPHA_TEST) == 0u ? COUNT_SMALL : COUNT_SMALL_TESTED;
+    count |= count != 0u && small ? kind : 0u;
   }
   if (visible && !whole) {
     clip_slots[atomicAdd(clip_count, 1u)] = slot;

@@ -121,6 +121,44 @@ TEST(Streaming, MemoryIsThatOfThePapersTable) {
   EXPECT_EQ(bytes(8, 4), 116);
 }
 
+TEST(Streaming, ListsLeaveTheBitsOfTheOrderedPass) {
+  // Scenes of small and large, alpha-tested, clipped and coinciding triangles; states in attachments and in a buffer.
+  const std::vector<std::pair<std::string, double>> scenes{{"grass", 0.01},      {"city", 0.05},
+                                                           {"foliage", 0.02},    {"arcade", 0.05},
+                                                           {"hard_coplanar", 1}, {"hard_near_plane", 1}};
+  for (const auto& [name, density] : scenes) {
+    const capture::Capture capture = capture::generate(name, {1, 61, 37, 1, density});
+    for (ParameterValues given : {ParameterValues{},
+                                  {{"samples", 4}, {"surfaces", 1}, {"occlusion", "depth_test"}},
+                                  {{"samples", 32}, {"surfaces", 4}},
+                                  {{"alpha", "per_sample"}}}) {
+      given["order"] = "lists";
+      const TechniqueRun lists = run_technique(capture, "streaming", given, 61, 37);
+      given["order"] = "one_pass";
+      EXPECT_TRUE(lists == run_technique(capture, "streaming", given, 61, 37))
+          << name << " " << nlohmann::json(given).dump();
+    }
+  }
+}
+
+TEST(Streaming, DeepFramesTakeTheOrderedPass) {
+  // More fragments in a pixel than shaders sort, and lists of 500, which the heap sorts.
+  for (const int layers : {500, 2100}) {
+    capture::Capture capture = flat_capture(32, 32);
+    const auto grey = add_emitter(capture, {0.5f, 0.5f, 0.5f});
+    for (int i = 0; i < layers; ++i) {
+      const float x = static_cast<float>(i % 7) * 0.001f;
+      add_triangles(capture,
+                    rectangle(-0.03f + x, -0.03f, 0.02f + x, 0.02f,
+                              0.9f * static_cast<float>((i * 37) % layers) / static_cast<float>(layers)),
+                    grey);
+    }
+    const TechniqueRun lists = run_technique(capture, "streaming", {}, 32, 32);
+    EXPECT_EQ(lists.counters.count("listed_fragments"), layers == 500 ? 1u : 0u);
+    EXPECT_TRUE(lists == run_technique(capture, "streaming", {{"order", "one_pass"}}, 32, 32)) << layers;
+  }
+}
+
 TEST(Streaming, PlainSky) {
   expect_plain_sky("streaming", {});
   expect_plain_sky("streaming", {{"samples", 32}, {"surfaces", 4}});
@@ -128,6 +166,7 @@ TEST(Streaming, PlainSky) {
 TEST(Streaming, SameOnAllThreads) {
   // States in attachments and in a buffer.
   expect_same_on_all_threads("streaming", {});
+  expect_same_on_all_threads("streaming", {{"order", "one_pass"}});
   expect_same_on_all_threads("streaming", {{"samples", 32}, {"surfaces", 4}});
 }
 

@@ -31,6 +31,7 @@ std::vector<T> texels_of(gpu::Device& device, gpu::Image& image) {
 struct TechniqueRun {
   std::vector<glm::vec4> radiance, display;  // radiance.w: lighting executions
   std::map<std::string, std::vector<std::uint32_t>> maps;
+  std::map<std::string, std::uint64_t> counters;
   double paper_bytes_per_pixel = 0, fitted_bytes_per_pixel = 0;
 
   double executions() const {
@@ -64,6 +65,7 @@ inline TechniqueRun run_technique(const capture::Capture& capture, std::string_v
   run.radiance = texels_of<glm::vec4>(device, *outputs.radiance);
   run.display = texels_of<glm::vec4>(device, *outputs.display);
   for (const auto& [map, image] : outputs.maps) run.maps[map] = texels_of<std::uint32_t>(device, *image);
+  run.counters = outputs.counters;
   const MemoryLayout layout = technique.layout(setup);
   for (const auto& entry : layout.paper) run.paper_bytes_per_pixel += entry.bits_per_pixel / 8;
   for (const auto& entry : layout.fitted) run.fitted_bytes_per_pixel += entry.bits_per_pixel / 8;

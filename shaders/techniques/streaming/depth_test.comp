@@ -28,16 +28,7 @@ void main() {
   uint p = uint(pixel.y) * push.width + uint(pixel.x);
   uvec2 range = list_range(push.lists, p);
   uint begin = range.x, end = range.y;
-  for (uint i = begin + 1u; i < end; ++i) {
-    uint own = push.lists.numbers.number[i], place = i;
-    while (place > begin) {
-      uint before = push.lists.numbers.number[place - 1u];
-      if (before <= own) break;
-      push.lists.numbers.number[place] = before;
-      --place;
-    }
-    if (place != i) push.lists.numbers.number[place] = own;
-  }
+  sort_list(push.lists.numbers, begin, end);
 
   uvec4 depths[8];
   for (uint i = 0u; i < DEPTH_QUADS; ++i) depths[i] = uvec4(0u);
