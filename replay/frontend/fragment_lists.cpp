@@ -14,15 +14,6 @@ std::uint32_t groups_of(std::uint64_t items) {
   return static_cast<std::uint32_t>((items + 63) / 64);
 }
 
-// ListAddresses of shaders/frontend/fragment_lists.glsl.
-struct Addresses {
-  std::uint64_t fragments = 0, numbers = 0, ends = 0, bases = 0;
-};
-
-Addresses addresses_of(const FragmentLists& lists) {
-  return {lists.fragments->address(), lists.numbers->address(), lists.ends->address(), lists.bases->address()};
-}
-
 // Where the counting passes write; sums are scanned over chunks of triangles and groups of pixels.
 struct Counted {
   gpu::Buffer *ends, *bases, *chunk_sums, *pixel_sums, *addresses;
@@ -35,7 +26,7 @@ Counted make_counted(gpu::PassRecorder& recorder, const FrameSetup& setup) {
           &recorder.buffer("fragment bases", setup.frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 4),
           &recorder.buffer("fragment sums", (std::uint64_t{frontend.chunk_count()} + 1) * 16),
           &recorder.buffer("pixel list sums", (groups_of(pixels) + 1) * 16),
-          &recorder.buffer("list addresses", sizeof(Addresses))};
+          &recorder.buffer("list addresses", sizeof(ListAddresses))};
 }
 
 // Both kinds of triangles, counted or stored.
@@ -45,10 +36,10 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   const std::uint32_t groups = groups_of(frontend.small_count(true));
   const std::uint32_t runs = std::clamp(std::thread::hardware_concurrency(), 1u, 64u);
   struct {
-    Addresses lists;
+    ListAddresses lists;
     std::uint64_t records;
     std::uint32_t count, groups, runs, width, height;
-  } const push{addresses_of(lists),
+  } const push{lists.by_address(),
                frontend.records().address(),
                static_cast<std::uint32_t>(frontend.small_count(true)),
                groups,
@@ -138,7 +129,7 @@ FragmentLists lists_of(const Counted& counted) {
   lists.ends = counted.ends;
   lists.bases = counted.bases;
   lists.addresses = counted.addresses;
-  lists.addresses->as<Addresses>()[0] = addresses_of(lists);
+  lists.addresses->as<ListAddresses>()[0] = lists.by_address();
   return lists;
 }
 
@@ -147,7 +138,7 @@ FragmentLists lists_of(const Counted& counted) {
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name, ListedMasks masks) {
   Frontend& frontend = setup.frontend;
-  if (groups_of(frontend.small_count(true)) + 64 > kMostGroups) return std::nullopt;
+  if (setup.choice("order") != "lists" || groups_of(frontend.small_count(true)) + 64 > kMostGroups) return std::nullopt;
   FragmentLists lists;
   {
     gpu::PassRecorder sizing(setup.frontend.device());
@@ -163,7 +154,8 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
       const std::uint64_t next = p + 1 < begins.size() ? begins[p + 1] : lists.count;
       longest = std::max(longest, static_cast<std::uint32_t>(next - begins[p]));
     }
-    const std::uint64_t most = std::min(kMostFragmentsPerPixel * setup.width * setup.height, kMostFragments);
+    const std::uint64_t most =
+        std::clamp(kMostFragmentsPerPixel * setup.width * setup.height, kAnyFragments, kMostFragments);
     if (lists.count > most || longest > kLongestList) return std::nullopt;
     for (const Frontend::Batch& batch : frontend.material_batches()) {
       const std::uint64_t first = sums[batch.first_chunk].x, last = sums[batch.last_chunk].x;
@@ -178,10 +170,19 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
   lists.addresses = counted.addresses;
   lists.fragments = &recorder.buffer("fragments", lists.count * 16);
   lists.numbers = &recorder.buffer("fragment numbers", lists.count * 4);
-  lists.addresses->as<Addresses>()[0] = addresses_of(lists);
+  lists.addresses->as<ListAddresses>()[0] = lists.by_address();
   record_counting(recorder, setup, counted, counting, name, masks);
   record_collection(recorder, setup, lists, name, masks, "STORE");
+  setup.outputs.counters["listed_fragments"] = lists.count;
   return lists;
+}
+
+Parameter order_parameter() {
+  return choice_parameter(
+      "order",
+      "how fragments come in submission order: as lists by pixel where frames are not too deep, or "
+      "in one ordered geometry pass, as published; both leave the same bits, but for masks that a table makes",
+      {"lists", "one_pass"});
 }
 
 void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,

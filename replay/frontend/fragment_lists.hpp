@@ -9,6 +9,11 @@
 
 namespace subpixel::replay {
 
+// As in shaders/frontend/fragment_lists.glsl, for push constants.
+struct ListAddresses {
+  std::uint64_t fragments = 0, numbers = 0, ends = 0, bases = 0;
+};
+
 // Buffers of shaders/frontend/fragment_lists.glsl. Fragments stand by triangle, in submission order; a pixel's numbers
 // are not yet sorted.
 struct FragmentLists {
@@ -24,19 +29,27 @@ struct FragmentLists {
   std::vector<Batch> batches;
 
   std::array<gpu::Buffer*, 4> buffers() const { return {fragments, numbers, ends, bases}; }
+  ListAddresses by_address() const {
+    return {fragments->address(), numbers->address(), ends->address(), bases->address()};
+  }
 };
 
 // Fragments of one pixel that shaders can sort within the 65,535 turns of loops that some drivers end at.
 inline constexpr std::uint32_t kLongestList = 2000;
-// Fragments a pixel, and in all: they take 20 bytes each and what a technique adds, and where a frame is that deep most
-// of its fragments are hidden ones, for which an ordered pass is faster.
-inline constexpr std::uint64_t kMostFragmentsPerPixel = 12, kMostFragments = 32'000'000;
+// Fragments a pixel of frames with more than a million of them, and in all: they take 20 bytes each and what a
+// technique adds, and where a frame is that deep most of its fragments are hidden ones, for which an ordered pass is
+// faster.
+inline constexpr std::uint64_t kMostFragmentsPerPixel = 12, kAnyFragments = 1'000'000, kMostFragments = 32'000'000;
 
-// Collects the current frame's fragments, passes `name`; set-up is recorded already. With masks, of up to 32 samples,
-// each fragment has a sample and carries those that geometry covers, before alpha; without, lists hold all pixels that
-// a triangle's edges reach, and masks are the technique's to make. Nothing when the frame has more than the limits
-// above: a run on the spot counts them.
+// Masks of up to 32 samples are collected: each fragment has a sample and carries those that geometry covers, before
+// alpha. Or lists hold all pixels that a triangle's edges reach, and masks are the technique's to make.
 enum class ListedMasks : std::uint32_t { later = 0, collected = 1 };
+
+// Which of two ways, that leave the same bits, brings fragments in submission order: lists, or one ordered pass.
+Parameter order_parameter();
+
+// Collects the current frame's fragments, passes `name`, if that parameter asks for lists and the frame is within the
+// limits above: a run on the spot counts them. Set-up is recorded already. The counter "listed_fragments" says so.
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name, ListedMasks masks);
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "replay/frontend/fragment_lists.hpp"
 #include "replay/techniques/dcaa_prepass.hpp"
 #include "replay/techniques/dcaa_table.hpp"
 #include "replay/techniques/dcaa_view.hpp"
@@ -128,10 +129,10 @@ gpu::Image& record_bound(gpu::PassRecorder& recorder, const FrameSetup& setup, g
   return bound;
 }
 
-Resources make_resources(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+Resources make_resources(gpu::PassRecorder& recorder, const FrameSetup& setup, bool in_buffer) {
   const std::uint32_t quads = state_quads(setup);
   Resources r;
-  if (quads <= kMostAttachments) {
+  if (quads <= kMostAttachments && !in_buffer) {
     r.state = &recorder.image({"dcaa state", kWords, setup.width, setup.height, 1, std::max(quads, kFewestAttachments),
                                VK_SAMPLE_COUNT_1_BIT, kTarget, true});
   } else {
@@ -170,6 +171,60 @@ void record_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const Re
     pass.size = {setup.width, setup.height};
   }
   setup.frontend.record_geometry(recorder, std::move(geometry));
+}
+
+// The same state, prepass included, by passes over fragment lists.
+void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+                       const Resources& r) {
+  gpu::Buffer& kept = recorder.buffer("kept fragments", std::uint64_t{setup.width} * setup.height * 4);
+  gpu::Buffer& surfaces = recorder.buffer("fragment surfaces", lists.count * 32);
+  gpu::Buffer& surfaces_address = recorder.buffer("fragment surfaces address", sizeof(VkDeviceAddress));
+  surfaces_address.as<VkDeviceAddress>()[0] = surfaces.address();
+
+  ListedPass listed;
+  listed.constants = common_constants(setup);
+  append(listed.constants, dcaa_constants(setup));
+  listed.bindings = {gpu::reads(1, *r.table), gpu::reads(2, *r.view), gpu::reads(3, surfaces_address)};
+  listed.by_address = {&surfaces};
+  if (setup.scene.features().has(FEATURE_ALPHA_TEST)) {
+    listed.name = "alpha";
+    listed.shader = "techniques/dcaa/alpha.comp";
+    listed.alpha_only = true;
+    record_listed_fragments(recorder, setup, lists, listed);
+    listed.alpha_only = false;
+  }
+
+  struct {
+    ListAddresses lists;
+    std::uint64_t records, kept;
+    std::uint32_t width, height;
+  } const keep_push{lists.by_address(), setup.frontend.records().address(), kept.address(), setup.width, setup.height};
+  gpu::ComputePass pass;
+  pass.name = "z-prepass";
+  pass.shader = "techniques/dcaa/keep.comp";
+  pass.constants = setup.frontend.constants();
+  append(pass.constants, dcaa_constants(setup));
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(1, *r.table)};
+  pass.by_address = {lists.fragments, lists.numbers, lists.ends, &setup.frontend.records(), &kept};
+  pass.push = gpu::PushConstants(keep_push);
+  pass.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
+  recorder.compute(pass);
+
+  listed.name = "attributes";
+  listed.shader = "techniques/dcaa/attributes.comp";
+  record_listed_fragments(recorder, setup, lists, listed);
+
+  struct {
+    ListAddresses lists;
+    std::uint64_t surfaces, kept, state;
+    std::uint32_t width, height;
+  } const push{lists.by_address(), surfaces.address(), kept.address(), r.words->address(), setup.width, setup.height};
+  pass.name = "merge";
+  pass.shader = "techniques/dcaa/merge_lists.comp";
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(2, *r.view)};
+  pass.by_address = {lists.fragments, lists.numbers, lists.ends, &surfaces, &kept, r.words};
+  pass.push = gpu::PushConstants(push);
+  recorder.compute(pass);
 }
 
 void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const Resources& r) {
@@ -242,9 +297,14 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Res
 
 void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   setup.frontend.record_setup(recorder);
-  Resources resources = make_resources(recorder, setup);
-  if (setup.parameters.at("prepass").get<bool>()) resources.bound = &record_bound(recorder, setup, *resources.table);
-  record_merge(recorder, setup, resources);
+  const auto lists = record_fragment_lists(recorder, setup, "collect", ListedMasks::later);
+  Resources resources = make_resources(recorder, setup, lists.has_value());
+  if (lists) {
+    record_list_merge(recorder, setup, *lists, resources);
+  } else {
+    if (setup.parameters.at("prepass").get<bool>()) resources.bound = &record_bound(recorder, setup, *resources.table);
+    record_merge(recorder, setup, resources);
+  }
   record_shading(recorder, setup, resources);
   record_maps(recorder, setup, resources);
 }
@@ -310,8 +370,8 @@ const Technique kDcaa{
      condition_parameter("prepass", "a conservative depth prepass rules out fragments"),
      choice_parameter("facet_normal", "components and bits of a surface's facet normal",
                       {"2x16", "2x8", "3x8", "3x32"}),
-     integer("depth_bits", "bits of a surface's depth", 16, 32, 24, {16, 20, 24, 32}), alpha_parameter(),
-     resolve_parameter(), shading_parameter()},
+     integer("depth_bits", "bits of a surface's depth", 16, 32, 24, {16, 20, 24, 32}), order_parameter(),
+     alpha_parameter(), resolve_parameter(), shading_parameter()},
     {{"surfaces", "Surfaces stored", "surfaces", 4},
      {"first_merges", "Fragments merged at the first attempt", "fragments", 16},
      {"second_merges", "Surfaces merged at the second attempt", "surfaces", 8},

@@ -142,11 +142,11 @@ void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setu
   }
 
   struct {
-    std::array<std::uint64_t, 4> lists;
-    std::uint64_t records, state, passed;
+    ListAddresses lists;
+    std::uint64_t records_or_surfaces, state, passed;
     std::uint32_t width, height;
-  } push{{}, setup.frontend.records().address(), state.words->address(), passed.address(), setup.width, setup.height};
-  for (std::size_t i = 0; i < push.lists.size(); ++i) push.lists[i] = lists.buffers()[i]->address();
+  } push{lists.by_address(), setup.frontend.records().address(), state.words->address(), passed.address(), setup.width,
+         setup.height};
   gpu::ComputePass pass;
   pass.name = "depth test";
   pass.shader = "techniques/streaming/depth_test.comp";
@@ -164,7 +164,7 @@ void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setu
   listed.by_address = {&surfaces};
   record_listed_fragments(recorder, setup, lists, listed);
 
-  push.records = surfaces.address();
+  push.records_or_surfaces = surfaces.address();
   pass.name = "merge";
   pass.shader = "techniques/streaming/merge.comp";
   pass.by_address = {lists.fragments, lists.numbers, lists.ends, &surfaces, state.words, &passed};
@@ -216,9 +216,7 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Sta
 
 void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   setup.frontend.record_setup(recorder);
-  const bool listed = setup.choice("order") == "lists";
-  const auto lists = listed ? record_fragment_lists(recorder, setup, "collect", ListedMasks::collected) : std::nullopt;
-  if (lists) setup.outputs.counters["listed_fragments"] = lists->count;
+  const auto lists = record_fragment_lists(recorder, setup, "collect", ListedMasks::collected);
   const State state = make_state(recorder, setup, lists.has_value());
   if (lists)
     record_list_compression(recorder, setup, *lists, state);
@@ -271,12 +269,7 @@ const Technique kStreaming{
          {"intervals", "depth_test"}),
      choice_parameter("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
                       {"view", "clip"}),
-     choice_parameter(
-         "order",
-         "how fragments come in submission order: as lists by pixel where frames are not too deep, or in one "
-         "ordered geometry pass, as published; both leave the same bits",
-         {"lists", "one_pass"}),
-     alpha_parameter(), resolve_parameter(), shading_parameter()},
+     order_parameter(), alpha_parameter(), resolve_parameter(), shading_parameter()},
     {{"merges", "Fragments merged", "fragments", 16},
      {"discards", "Samples discarded while visible", "samples", 8},
      {"surfaces", "Surfaces stored", "surfaces", 4},

@@ -25,7 +25,7 @@ void collect_count(ListAddresses to, ivec2 pixel, uint width) {
 
 // `number`: the fragment's place by triangle.
 void collect_store(ListAddresses to, uint number, uint record, ivec2 pixel, uint mask, uint width) {
-  to.fragments.fragment[number] = uvec4(record, uint(pixel.x) | uint(pixel.y) << 16, mask, 0u);
+  to.fragments.fragment[number] = uvec4(record, uint(pixel.x) | uint(pixel.y) << 16, WITH_MASKS ? mask : 0u, 0u);
   uint place = atomicAdd(to.ends.end[uint(pixel.y) * width + uint(pixel.x)], 1u);
   to.numbers.number[place] = number;
 }

@@ -1,5 +1,5 @@
 // The fragments of a frame as lists: once by triangle, in submission order, and once by pixel.
-// A fragment is (record, pixel x | y << 16, mask of samples 0-31, and of 32-63 or what a technique puts there).
+// A fragment is (record, pixel x | y << 16, two words of masks or what a technique puts there).
 // Reads: nothing; the buffers come with the including shader's push constants or by ListAddresses.
 #ifndef SUBPIXEL_FRAGMENT_LISTS_GLSL
 #define SUBPIXEL_FRAGMENT_LISTS_GLSL

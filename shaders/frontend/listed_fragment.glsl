@@ -4,7 +4,9 @@
 #ifndef SUBPIXEL_LISTED_FRAGMENT_GLSL
 #define SUBPIXEL_LISTED_FRAGMENT_GLSL
 
+#ifndef LISTED
 #define LISTED
+#endif
 #include "frontend/fragment.glsl"
 #include "frontend/fragment_lists.glsl"
 #include "frontend/source_triangle.glsl"

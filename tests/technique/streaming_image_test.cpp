@@ -134,6 +134,7 @@ TEST(Streaming, ListsLeaveTheBitsOfTheOrderedPass) {
                                   {{"alpha", "per_sample"}}}) {
       given["order"] = "lists";
       const TechniqueRun lists = run_technique(capture, "streaming", given, 61, 37);
+      EXPECT_GT(lists.counters.at("listed_fragments"), 0u);
       given["order"] = "one_pass";
       EXPECT_TRUE(lists == run_technique(capture, "streaming", given, 61, 37))
           << name << " " << nlohmann::json(given).dump();

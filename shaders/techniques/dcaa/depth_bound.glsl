@@ -31,4 +31,27 @@ bool may_show(DepthPlane plane, vec3 bound) {
   return ahead + slack >= 0.0 && nearest - (bound.x - plane_reach(bound.yz)) + slack >= 0.0;
 }
 
+// The bound, and the fragments gathered towards a nearer one: the plane below them, what they cover.
+struct DepthBound {
+  vec3 bound;  // z 0 at first
+  vec3 gathered;
+  uvec2 samples;
+};
+
+// A fragment with the farthest plane `own`, nearer than the bound, covers `mask`.
+void gather_bound(inout DepthBound b, vec3 own, uvec2 mask, uvec2 whole_pixel) {
+  // A fragment far in front of what is gathered starts anew: it would lose its depth by joining.
+  bool joins = b.samples != uvec2(0u) && own.x - b.gathered.x <= b.gathered.x - b.bound.x;
+  uvec2 samples = joins ? b.samples | mask : mask;
+  vec3 below = joins ? vec3(min(b.gathered.x, own.x - plane_reach(own.yz - b.gathered.yz)), b.gathered.yz) : own;
+  // A whole pixel stands for itself; what was gathered stays if it is nearer.
+  bool whole = mask == whole_pixel, complete = samples == whole_pixel;
+  below = whole ? own : below;
+  bool better = (whole || complete) && below.x > b.bound.x;
+  b.bound = better ? below : b.bound;
+  bool keeps = whole && b.gathered.x > own.x;
+  b.samples = keeps ? b.samples : whole || complete ? uvec2(0u) : samples;
+  b.gathered = keeps ? b.gathered : below;
+}
+
 #endif

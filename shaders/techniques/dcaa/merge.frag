@@ -10,27 +10,13 @@
 #define WITH_ATTRIBUTES
 #include "techniques/dcaa/fragment_mask.glsl"
 #include "techniques/dcaa/depth_bound.glsl"
+#include "techniques/dcaa/fragment.glsl"
 #include "techniques/dcaa/merge.glsl"
 #include "techniques/dcaa/state.glsl"
 #include "include/ordered_state.glsl"
 
 layout(set = 0, binding = 3, scalar) readonly buffer ViewBlock { DcaaView view; };
 layout(set = 0, binding = 12) uniform usampler2DArray depth_bound;
-
-// The fragment's plane: its facet normal, rounded, and the depth at the pixel's centre with which it still goes through
-// the triangle at `offset`.
-void facet_plane(DepthPlane plane, ivec2 pixel, vec2 offset, vec3 ray, inout DcaaSurface s) {
-  float z = clamp(plane.centre + plane.dx * offset.x + plane.dy * offset.y, plane.smallest, plane.largest);
-  float per_slope = z * view.terms.x + view.terms.y;
-  vec2 g = clamp(vec2(plane.dx, plane.dy) / max(per_slope, 1e-30), -1e6, 1e6);
-  // Slopes relative to the depth where the triangle is seen; the ray there is that of the centre, moved.
-  vec2 at = (vec2(pixel) + offset) * view.terms.x;
-  vec3 n = g.x * view.normal_x.xyz + g.y * view.normal_y.xyz + (1.0 - dot(g, at)) * view.normal_1.xyz;
-  s.facet = dcaa_pack_facet(n);
-  vec2 stored = dcaa_slope_factors(dcaa_facet(s.facet), ray, view);
-  float away = dot(stored, offset);
-  s.depth = dcaa_rounded_depth((z - view.terms.y * away) / (1.0 + view.terms.x * away));
-}
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
@@ -58,14 +44,8 @@ void main() {
 
         DcaaView camera = view;
         vec3 ray = dcaa_ray(pixel, camera);
-        uvec4 packed = pack_surface(fragment_surface(pixel, offset));
-        DcaaSurface fragment;
+        DcaaSurface fragment = dcaa_fragment(pixel, plane, offset, ray, camera);
         fragment.coverage = mask;
-        facet_plane(plane, pixel, offset, ray, fragment);
-        fragment.albedo = packed.x;
-        fragment.normal = packed.y;
-        fragment.roughness = packed.z & 255u;
-        fragment.emission = packed.w;
         dcaa_add(state.word[0], surface, fragment, ray, camera);
 
         for (uint i = 0u; i < SURFACES; ++i) dcaa_pack(surface[i], i, state);

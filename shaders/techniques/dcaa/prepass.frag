@@ -32,21 +32,10 @@ void main() {
     changes = mask != uvec2(0u);
     for (bool go = changes; go; go = false) {
       uvec4 more = subpassLoad(in_gathered);
-      vec3 gathered = uintBitsToFloat(uvec3(state.w, more.xy));
-      // A fragment far in front of what is gathered starts anew: it would lose its depth by joining.
-      bool joins = more.zw != uvec2(0u) && own.x - gathered.x <= gathered.x - bound.x;
-      uvec2 samples = joins ? more.zw | mask : mask;
-      vec3 below = joins ? vec3(min(gathered.x, own.x - plane_reach(own.yz - gathered.yz)), gathered.yz) : own;
-      // A whole pixel stands for itself; what was gathered stays if it is nearer.
-      bool whole = mask == kWholePixel, complete = samples == kWholePixel;
-      below = whole ? own : below;
-      bool better = (whole || complete) && below.x > bound.x;
-      bound = better ? below : bound;
-      bool keeps = whole && gathered.x > own.x;
-      samples = keeps ? more.zw : whole || complete ? uvec2(0u) : samples;
-      below = keeps ? gathered : below;
-      out_bound = floatBitsToUint(vec4(bound, below.x));
-      out_gathered = uvec4(floatBitsToUint(below.yz), samples);
+      DepthBound b = DepthBound(bound, uintBitsToFloat(uvec3(state.w, more.xy)), more.zw);
+      gather_bound(b, own, mask, kWholePixel);
+      out_bound = floatBitsToUint(vec4(b.bound, b.gathered.x));
+      out_gathered = uvec4(floatBitsToUint(b.gathered.yz), b.samples);
     }
   }
   if (!changes) discard;

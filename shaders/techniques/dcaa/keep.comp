@@ -1,0 +1,74 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// Sorts each pixel's fragments, finds the prepass's bound from them in submission order as prepass.frag does, and keeps those
+// that it does not rule out; one invocation for each pixel.
+// Reads: records, fragments. Writes: the sorted numbers, the kept ones first; bits and masks of kept fragments.
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint SAMPLES = 64u;
+#include "frontend/fragment_lists.glsl"
+#include "techniques/dcaa/surface.glsl"
+#include "techniques/dcaa/coverage.glsl"
+#include "techniques/dcaa/depth_bound.glsl"
+#include "techniques/dcaa/listed.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
+layout(push_constant, scalar) uniform Push {
+  ListAddresses lists;
+  Records records;
+  KeptCounts kept;
+  uint width, height;
+} push;
+
+DepthPlane listed_plane(uint record, ivec2 pixel) {
+  uvec4 depth = push.records.record[record].depth;
+  uint depth2 = push.records.record[record].depth2.x, reference = push.records.record[record].v2_ref.z;
+  return depth_plane(depth, depth2, ivec2(reference & 0xffffu, reference >> 16), pixel);
+}
+
+uvec2 listed_mask(uint record, ivec2 pixel) {
+  uvec4 v01 = push.records.record[record].v01, v2_ref = push.records.record[record].v2_ref;
+  return fragment_coverage(pixel_edges(ivec2(v01.xy), ivec2(v01.zw), ivec2(v2_ref.xy), pixel, v2_ref.w));
+}
+
+void main() {
+  ivec2 pixel = invocation_pixel(gl_WorkGroupID.xy, gl_LocalInvocationID.x);
+  if (any(greaterThanEqual(pixel, ivec2(push.width, push.height)))) return;
+  uint p = uint(pixel.y) * push.width + uint(pixel.x);
+  uvec2 range = list_range(push.lists, p);
+  sort_list(push.lists.numbers, range.x, range.y);
+
+  DepthBound b = DepthBound(vec3(0.0), vec3(0.0), uvec2(0u));
+  for (uint i = dcaa_option(DCAA_PREPASS) ? range.x : range.y; i < range.y; ++i) {
+    uint number = push.lists.numbers.number[i];
+    uvec4 fragment = push.lists.fragments.fragment[number];
+    vec3 own = vec3(0.0);
+    for (bool there = fragment.x != kNothing; there; there = false) own = farthest_plane(listed_plane(fragment.x, pixel));
+    // Loops are skipped when no lane needs them.
+    for (bool helps = fragment.x != kNothing && own.x > b.bound.x; helps; helps = false) {
+      uvec2 mask = fragment.zw;
+      for (bool missing = mask == uvec2(0u); missing; missing = false) {
+        mask = listed_mask(fragment.x, pixel);
+        push.lists.fragments.fragment[number] = uvec4(mask == uvec2(0u) ? kNothing : fragment.x, fragment.y, mask);
+      }
+      for (bool covers_some = mask != uvec2(0u); covers_some; covers_some = false) gather_bound(b, own, mask, kWholePixel);
+    }
+  }
+
+  uint place = range.x;
+  for (uint i = range.x; i < range.y; ++i) {
+    uint number = push.lists.numbers.number[i];
+    uvec4 fragment = push.lists.fragments.fragment[number];
+    bool keeps = false;
+    for (bool there = fragment.x != kNothing; there; there = false) keeps = may_show(listed_plane(fragment.x, pixel), b.bound);
+    uvec2 mask = fragment.zw;
+    for (bool missing = keeps && mask == uvec2(0u); missing; missing = false) mask = listed_mask(fragment.x, pixel);
+    if (keeps && mask != uvec2(0u)) {
+      push.lists.fragments.fragment[number] = uvec4(fragment.x | kKept, fragment.y, mask);
+      push.lists.numbers.number[place] = number;
+      ++place;
+    }
+  }
+  push.kept.kept[p] = place - range.x;
+}

@@ -1,0 +1,16 @@
+// What the passes over fragment lists share. A fragment's masks are 0 until some pass has made them; its record has a bit set once
+// it is kept, and all bits when it covers nothing.
+#ifndef SUBPIXEL_DCAA_LISTED_GLSL
+#define SUBPIXEL_DCAA_LISTED_GLSL
+
+const uint kKept = 0x80000000u, kNothing = 0xffffffffu;
+
+// Of each kept fragment: facet, depth bits, albedo, normal; roughness, emission, the facet's further words.
+struct ListedSurface {
+  uvec4 words, more;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ListedSurfaces { ListedSurface surface[]; };
+// How many fragments of each pixel are kept; their numbers stand first in its part of the list.
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer KeptCounts { uint kept[]; };
+
+#endif

@@ -1,0 +1,54 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// Merges each pixel's kept fragments in submission order, as merge.frag does one by one; one invocation for each pixel.
+// Reads: fragments, their surfaces, the camera (storage slot 2). Writes: the pixel's state.
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint SAMPLES = 64u;
+#include "frontend/fragment_lists.glsl"
+#include "techniques/dcaa/merge.glsl"
+#include "techniques/dcaa/state.glsl"
+#include "techniques/dcaa/listed.glsl"
+
+layout(set = 0, binding = 3, scalar) readonly buffer ViewBlock { DcaaView view; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer StateQuads { uvec4 quads[]; };
+layout(push_constant, scalar) uniform Push {
+  ListAddresses lists;
+  ListedSurfaces surfaces;
+  KeptCounts kept;
+  StateQuads state;
+  uint width, height;
+} push;
+
+void main() {
+  ivec2 pixel = invocation_pixel(gl_WorkGroupID.xy, gl_LocalInvocationID.x);
+  if (any(greaterThanEqual(pixel, ivec2(push.width, push.height)))) return;
+  uint p = uint(pixel.y) * push.width + uint(pixel.x);
+  uint begin = list_range(push.lists, p).x, end = begin + push.kept.kept[p];
+  DcaaState state;
+  for (uint i = 0u; i < MAX_STATE_WORDS; ++i) state.word[i] = 0u;
+  DcaaSurface surface[DCAA_MAX_SURFACES];
+  for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_unpack(state, i);
+  DcaaView camera = view;
+  vec3 ray = dcaa_ray(pixel, camera);
+  uint word = 0u;
+  for (uint i = begin; i < end; ++i) {
+    uint number = push.lists.numbers.number[i];
+    uvec4 words = push.surfaces.surface[number].words, more = push.surfaces.surface[number].more;
+    DcaaSurface fragment;
+    fragment.coverage = push.lists.fragments.fragment[number].zw;
+    fragment.facet = uvec3(words.x, more.zw);
+    fragment.depth = uintBitsToFloat(words.y);
+    fragment.albedo = words.z;
+    fragment.normal = words.w;
+    fragment.roughness = more.x;
+    fragment.emission = more.y;
+    dcaa_add(word, surface, fragment, ray, camera);
+  }
+  state.word[0] = word;
+  for (uint i = 0u; i < SURFACES; ++i) dcaa_pack(surface[i], i, state);
+  for (uint i = 0u; i < STATE_QUADS; ++i)
+    push.state.quads[p * STATE_QUADS + i] =
+        uvec4(state.word[4u * i], state.word[4u * i + 1u], state.word[4u * i + 2u], state.word[4u * i + 3u]);
+}
