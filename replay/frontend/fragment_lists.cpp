@@ -148,7 +148,7 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
     sizing.run();
     const auto sums = counted.chunk_sums->as<glm::uvec4>();
     lists.count = sums[frontend.chunk_count()].x;
-    const auto begins = counted.ends->as<std::uint32_t>();
+    const auto begins = counted.ends->as<std::uint32_t>().first(std::size_t{setup.width} * setup.height);
     std::uint32_t longest = 0;
     for (std::size_t p = 0; p < begins.size(); ++p) {
       const std::uint64_t next = p + 1 < begins.size() ? begins[p + 1] : lists.count;
