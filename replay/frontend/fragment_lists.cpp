@@ -34,7 +34,7 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
                        const std::string& name, ListedMasks masks, const std::string& variant) {
   Frontend& frontend = setup.frontend;
   const std::uint32_t groups = groups_of(frontend.small_count(true));
-  const std::uint32_t runs = std::clamp(std::thread::hardware_concurrency(), 1u, 64u);
+  const std::uint32_t runs = device_runs();
   struct {
     ListAddresses lists;
     std::uint64_t records;
@@ -134,6 +134,10 @@ FragmentLists lists_of(const Counted& counted) {
 }
 
 }  // namespace
+
+std::uint32_t device_runs() {
+  return std::clamp(std::thread::hardware_concurrency(), 1u, 64u);
+}
 
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name, ListedMasks masks) {

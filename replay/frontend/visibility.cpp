@@ -1,8 +1,8 @@
 #include "replay/frontend/visibility.hpp"
 
 #include <algorithm>
-#include <numeric>
 
+#include "replay/frontend/fragment_lists.hpp"
 #include "shaders/frontend/frontend_types.h"
 
 namespace subpixel::replay {
@@ -35,15 +35,15 @@ void record_small_triangles(gpu::PassRecorder& recorder, const FrameSetup& setup
   const std::string variant = std::to_string(group);
   recorder.fill("visibility", keys, 0);
   const auto groups = static_cast<std::uint32_t>((frontend.small_count() + 63) / 64);
-  std::uint32_t stride = std::max(1u, groups / 5 * 2);
-  while (std::gcd(stride, groups) != 1) ++stride;
+  const std::uint32_t runs = device_runs();
   struct {
     std::uint64_t records, keys;
-    std::uint32_t count, stride, width, height;
+    std::uint32_t count, groups, runs, width, height;
   } const push{frontend.records().address(),
                keys.address(),
                static_cast<std::uint32_t>(frontend.small_count()),
-               stride,
+               groups,
+               runs,
                setup.width,
                setup.height};
   gpu::ComputePass rasterise;
@@ -54,7 +54,7 @@ void record_small_triangles(gpu::PassRecorder& recorder, const FrameSetup& setup
   rasterise.bindings = {gpu::reads(0, frontend.small_records())};
   rasterise.by_address = {&frontend.records(), &keys};
   rasterise.push = gpu::PushConstants(push);
-  rasterise.groups = {groups, 1, 1};
+  rasterise.groups = {(groups + runs - 1) / runs * runs, 1, 1};
   recorder.compute(std::move(rasterise));
 
   struct {

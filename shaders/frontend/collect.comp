@@ -17,8 +17,7 @@ layout(push_constant, scalar) uniform Push {
   ListAddresses lists;
   Records records;
   uint count;
-  uint groups;  // of 64 triangles
-  uint runs;    // that threads of the device take side by side
+  uint groups, runs;  // dealt_item()
   uint width, height;
 } push;
 #include "frontend/collect_fragment.glsl"
@@ -39,11 +38,7 @@ void visit(ivec2 pixel, PixelEdges edges) {
 #include "frontend/small_walk.glsl"
 
 void main() {
-  // A device gives each thread a run of groups. Groups are dealt out to the runs, so that all have their share of large
-  // triangles, and each run stays in order, so that pixels' lists are nearly sorted.
-  uint columns = (push.groups + push.runs - 1u) / push.runs;
-  uint group = gl_WorkGroupID.x % columns * push.runs + gl_WorkGroupID.x / columns;
-  uint item = group * 64u + gl_LocalInvocationID.x;
+  uint item = dealt_item(push.groups, push.runs);
   if (item >= push.count) return;
   record = small_records[item];
   uvec4 v01 = push.records.record[record].v01;

@@ -21,7 +21,7 @@ layout(push_constant, scalar) uniform Push {
   Records records;
   SampleKeys keys;
   uint count;
-  uint stride;  // has no factor in common with the number of groups
+  uint groups, runs;  // dealt_item()
   uint width, height;
 } push;
 
@@ -43,8 +43,7 @@ void visit(ivec2 pixel, PixelEdges edges) {
 #include "frontend/small_walk.glsl"
 
 void main() {
-  // A device that gives each thread a run of groups would give one all the large triangles: they stand together.
-  uint item = gl_WorkGroupID.x * push.stride % gl_NumWorkGroups.x * 64u + gl_LocalInvocationID.x;
+  uint item = dealt_item(push.groups, push.runs);
   if (item >= push.count) return;
   number = small_records[item];
   uvec4 v01 = push.records.record[number].v01;

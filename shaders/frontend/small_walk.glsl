@@ -5,6 +5,14 @@
 #ifndef SUBPIXEL_SMALL_WALK_GLSL
 #define SUBPIXEL_SMALL_WALK_GLSL
 
+// Which triangle an invocation takes. A device gives each thread a run of groups. Triangles, in `groups` groups of 64, are dealt
+// out to `runs` runs, so that all have their share of large ones, which stand together; and each run stays in order, so that
+// what stands together on the screen is drawn together, and lists by pixel are nearly sorted.
+uint dealt_item(uint groups, uint runs) {
+  uint columns = (groups + runs - 1u) / runs;
+  return (gl_WorkGroupID.x % columns * runs + gl_WorkGroupID.x / columns) * 64u + gl_LocalInvocationID.x;
+}
+
 // Narrows [first, last] to the pixels of a row that one edge's half plane, widened by a pixel's samples, reaches. `edge`: the
 // edge function at the centre of pixel `origin`; `step`: what a pixel to the right adds. Floats are exact enough: rows are
 // short, and a pixel too many is only tested.
