@@ -70,14 +70,26 @@ bvec4 taken(uvec4 z, uvec4 stored, uvec4 stored_triangle, uint mask, uint first)
   return mix(bvec4(false), nearer, covered_four(mask, first));
 }
 
+#ifdef WITH_UV
+uint bits_of(bvec4 take, uint first) {
+  uvec4 bits = mix(uvec4(0u), uvec4(1u, 2u, 4u, 8u), take);
+  return (bits.x | bits.y | bits.z | bits.w) << first;
+}
+
+// Of the samples that the fragment would take, those that alpha leaves: textures are read only where it is nearest so far.
+uint alpha_leaves(uint mask, ivec2 pixel, PixelEdges edges) {
+  uint left = mask;
+  for (bool go = mask != 0u; go; go = false)
+    left = alpha_mask(mask, SAMPLE_GROUP * GROUP, GROUP, pixel, shading_offset(edges, SAMPLES));
+  return left;
+}
+bvec4 left_of(bvec4 take, uint left, uint first) { return mix(bvec4(false), take, covered_four(left, first)); }
+#endif
+
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
   PixelEdges edges = fragment_edges(pixel);
   uint mask = coverage_mask(edges, SAMPLES, SAMPLE_GROUP * GROUP, GROUP);
-#ifdef WITH_UV
-  for (bool go = mask != 0u; go; go = false)
-    mask = alpha_mask(mask, SAMPLE_GROUP * GROUP, GROUP, pixel, shading_offset(edges, SAMPLES));
-#endif
   bool changed = false;
   // Skipped, as a loop is, when no lane covers anything.
   for (bool go = mask != 0u; go; go = false) {
@@ -94,6 +106,9 @@ void main() {
                     floatBitsToUint(sample_depth(plane, sample_offset(SAMPLES, 1u))), 0u, 0u);
 #endif
     bvec4 take = taken(z, old, old_id, mask, 0u);
+#ifdef WITH_UV
+    take = left_of(take, alpha_leaves(bits_of(take, 0u), pixel, edges), 0u);
+#endif
     changed = any(take);
     z = mix(old, z, take);
     own = mix(old_id, own, take);
@@ -101,19 +116,41 @@ void main() {
 #else
     uvec4 old0 = subpassLoad(in_depth0), z0 = plane_depths(0u, plane);
     bvec4 take0 = taken(z0, old0, AFTER_SMALL ? subpassLoad(in_id0) : uvec4(0u), mask, 0u);
-    changed = any(take0);
-    out_depth0 = mix(old0, z0, take0);
 #if GROUP >= 8
     uvec4 old1 = subpassLoad(in_depth1), z1 = plane_depths(4u, plane);
     bvec4 take1 = taken(z1, old1, AFTER_SMALL ? subpassLoad(in_id1) : uvec4(0u), mask, 4u);
-    changed = changed || any(take1);
-    out_depth1 = mix(old1, z1, take1);
 #endif
 #if GROUP == 16
     uvec4 old2 = subpassLoad(in_depth2), z2 = plane_depths(8u, plane);
     bvec4 take2 = taken(z2, old2, AFTER_SMALL ? subpassLoad(in_id2) : uvec4(0u), mask, 8u);
     uvec4 old3 = subpassLoad(in_depth3), z3 = plane_depths(12u, plane);
     bvec4 take3 = taken(z3, old3, AFTER_SMALL ? subpassLoad(in_id3) : uvec4(0u), mask, 12u);
+#endif
+#ifdef WITH_UV
+    uint passing = bits_of(take0, 0u);
+#if GROUP >= 8
+    passing |= bits_of(take1, 4u);
+#endif
+#if GROUP == 16
+    passing |= bits_of(take2, 8u) | bits_of(take3, 12u);
+#endif
+    uint left = alpha_leaves(passing, pixel, edges);
+    take0 = left_of(take0, left, 0u);
+#if GROUP >= 8
+    take1 = left_of(take1, left, 4u);
+#endif
+#if GROUP == 16
+    take2 = left_of(take2, left, 8u);
+    take3 = left_of(take3, left, 12u);
+#endif
+#endif
+    changed = any(take0);
+    out_depth0 = mix(old0, z0, take0);
+#if GROUP >= 8
+    changed = changed || any(take1);
+    out_depth1 = mix(old1, z1, take1);
+#endif
+#if GROUP == 16
     changed = changed || any(take2) || any(take3);
     out_depth2 = mix(old2, z2, take2);
     out_depth3 = mix(old3, z3, take3);
