@@ -20,8 +20,19 @@ void main() {
   uint mask = geometry;
   if (has_feature(FEATURE_ALPHA_TEST)) {
     bool tested = (materials[push.material].flags.x & MATERIAL_ALPHA_TEST) != 0u;
-    for (bool go = tested && geometry != 0u; go; go = false)
-      mask = alpha_mask(geometry, 0u, SAMPLES, pixel, mask_offset(edges, geometry));
+    // Textures are read only where the fragment may be nearest so far.
+    for (bool go = tested && geometry != 0u; go; go = false) {
+      find_state(pixel);
+      DepthPlane plane = fragment_depth(pixel);
+      uint nearest = 0u;
+      for (uint i = 0u; i < DEPTH_QUADS; ++i) {
+        uvec4 before = quad(i);
+        nearest |= stream_passed(before, stream_nearer(before, SAMPLES, geometry, 4u * i, plane), 4u * i);
+      }
+      mask = 0u;
+      for (bool again = nearest != 0u; again; again = false)
+        mask = alpha_mask(geometry, 0u, SAMPLES, pixel, mask_offset(edges, geometry));
+    }
   }
 
   uint passed = 0u;
