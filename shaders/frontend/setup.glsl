@@ -126,10 +126,12 @@ uint set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, o
   int size = max(high.x - low.x, high.y - low.y);
   bool huge = size > SUBPIXEL_LARGE_PX * SUBPIXEL_SNAP, large = size > SUBPIXEL_SMALL_PX * SUBPIXEL_SNAP && !huge;
 
-  // Small triangles: does any sample lie inside? A loop, so that large ones don't pay.
+  // Small triangles: does any sample lie inside? A loop, so that large ones don't pay. Of many samples one nearly always does
+  // where a triangle reaches more than one pixel.
   ivec2 extent = last - first + 1;
   int pixels = extent.x * extent.y;
-  int tested = (alive && !large && !huge && pixels <= 6) ? pixels : 0;
+  int most = SAMPLES > 16u ? 1 : 6;
+  int tested = (alive && !large && !huge && pixels <= most) ? pixels : 0;
   bool touched = tested == 0;
   ivec2 pixel = first;
   for (int k = 0; k < tested; ++k) {
