@@ -1,0 +1,37 @@
+// What each publication says in its headline numbers, and whether it comes out here. A claim holds numbers of the
+// publication and how to look ours up; the verdict follows from them.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/report/measured.hpp"
+
+namespace subpixel::report {
+
+struct Claim {
+  std::string technique, publication, where;  // "table 1"
+  std::string title;                          // what is claimed, in a few words
+  std::string published;                      // its numbers, short
+  std::string criterion;                      // how it is judged here, and on which runs
+  std::string column;                         // what Comparison::where names: "scene"
+  std::function<std::vector<Comparison>(const Measured&)> compare;
+  // Why it does not hold, with measured numbers; asked for only when a comparison fails.
+  std::function<std::string(const Measured&)> reason;
+};
+
+// In the order of the page.
+std::vector<Claim> all_claims();
+
+std::vector<Claim> streaming_claims();
+std::vector<Claim> sbaa_claims();
+std::vector<Claim> linked_list_claims();
+std::vector<Claim> agaa_claims();
+std::vector<Claim> dcaa_claims();
+
+// One number of each run, those that lack it left out: "12 to 34", or "none".
+std::string range_text(const std::vector<const Run*>& runs, const std::function<double(const Run&)>& number,
+                       const char* format);
+
+}  // namespace subpixel::report

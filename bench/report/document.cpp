@@ -1,0 +1,210 @@
+#include "bench/report/document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "bench/report/winners.hpp"
+#include "replay/measure/atomic_file.hpp"
+#include "replay/measure/plots.hpp"
+
+namespace subpixel::report {
+namespace {
+
+using replay::FrameResult;
+using replay::Summary;
+
+constexpr const char* kImageFolder = "images/results";
+
+std::string joined(const std::set<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, "; "));
+}
+
+std::string head(const Measured& measured, const std::string& command) {
+  std::set<std::string> drivers, processors;
+  std::string first, last;
+  double minutes = 0;
+  for (const Run& run : measured.runs) {
+    const replay::ResultsHead& of = run.results.head;
+    drivers.insert(fmt::format("{}, {}", of.driver_version, of.device));
+    processors.insert(of.cpu_model);
+    if (first.empty() || of.date_utc < first) first = of.date_utc;
+    last = std::max(last, of.date_utc);
+    minutes += of.wall_s / 60;
+  }
+  std::string text = fmt::format(
+      "# Results\n\n"
+      "Written by `bench/report` from what it measured; nothing on this page is typed in but the publications' own "
+      "numbers and the\n"
+      "reasons, and a reason shows only where the numbers do not come out. One command makes all of it again:\n\n"
+      "```\n{}\n```\n\n"
+      "It stores every run when it is done (`build/report/`), goes on after an interruption where it was, and "
+      "`--only-write` writes the\n"
+      "page from what is stored.\n\n"
+      "Driver: {}. Processor: {}. Measured {} to {}, {:.0f} minutes of replay.\n\n",
+      command, joined(drivers), joined(processors), first, last, minutes);
+  text +=
+      "| run | triangles | point lights | settings | reference | repeats |\n| --- | --- | --- | --- | --- | --- |\n";
+  for (const Run& run : measured.runs) {
+    const replay::ResultsHead& of = run.results.head;
+    text +=
+        fmt::format("| {} {}x{} | {} | {} | {} | {} | {} |\n", run.plan.scene, of.width, of.height,
+                    of.triangles_first_frame, of.point_lights, run.results.results.size(),
+                    of.reference_samples == 0 ? "none" : fmt::format("{} samples", of.reference_samples), of.repeat);
+  }
+  return text +
+         "\nOne frame of each scene. Times are warm medians of a software rasteriser: read them as ratios to `msaa` 8x "
+         "of the same run.\n"
+         "A ratio has a spread, by half of that of the repeats of either; where a claim's limit lies within it, the "
+         "claim is left\n"
+         "undecided there. MSE and FLIP are of display values against the reference. `S` are surfaces, `c` aggregates, "
+         "`8x` samples;\n"
+         "what a setting's name does not say is the default (8 samples, `dcaa` 64).\n\n";
+}
+
+std::string claim_anchor(std::size_t number) {
+  return fmt::format("claim-{}", number);
+}
+
+std::string claims_markdown(const Measured& measured, const std::vector<Claim>& claims) {
+  std::string table = "## What the publications claim\n\n| | claim | published | here |\n| --- | --- | --- | --- |\n";
+  std::string details;
+  for (std::size_t i = 0; i < claims.size(); ++i) {
+    const Claim& claim = claims[i];
+    const std::vector<Comparison> comparisons = claim.compare(measured);
+    const std::string result = words(comparisons);
+    table +=
+        fmt::format("| [{}](#{}) | `{}`: {} | {} | {} |\n", i + 1, claim_anchor(i + 1), claim.technique, claim.title,
+                    claim.published, verdict(comparisons) == Verdict::all ? result : fmt::format("**{}**", result));
+    details += fmt::format("### Claim {}\n\n`{}`: {}. {}, {}: {}. {}\n\n", i + 1, claim.technique, claim.title,
+                           claim.publication, claim.where, claim.published, claim.criterion);
+    if (comparisons.empty()) {
+      details += "Not measured.\n\n";
+      continue;
+    }
+    details += fmt::format("| {} | published | here | held |\n| --- | --- | --- | --- |\n", claim.column);
+    bool failed = false;
+    for (const Comparison& comparison : comparisons) {
+      failed = failed || comparison.outcome == Outcome::not_held;
+      details += fmt::format("| {} | {} | {} | {} |\n", comparison.where, comparison.published, comparison.ours,
+                             words(comparison.outcome));
+    }
+    details += fmt::format("\n{}{}.", static_cast<char>(std::toupper(result.front())), result.substr(1));
+    if (failed && claim.reason) details += fmt::format(" {}", claim.reason(measured));
+    details += "\n\n";
+  }
+  return table + "\n" + details;
+}
+
+std::string spread_text(const Interval& ratio) {
+  return fmt::format("{:.2f} | {:.2f} to {:.2f}", ratio.value, ratio.low, ratio.high);
+}
+
+// Of the two plots' points, in the order of the summaries that both have.
+std::string fronts(const replay::Plot& time, const replay::Plot& memory, const std::string& label) {
+  const auto on = [&](const replay::Plot& plot) {
+    const auto found = std::ranges::find(plot.points, label, &replay::PlotPoint::label);
+    return found != plot.points.end() && found->on_front;
+  };
+  return on(time) && on(memory) ? "both" : on(time) ? "time" : on(memory) ? "memory" : "";
+}
+
+replay::Plot plot_of(const Run& run, const std::vector<Summary>& summaries, replay::PlotCost cost) {
+  replay::Plot plot = replay::make_plot(summaries, cost, replay::PlotError::mse);
+  plot.title = fmt::format("{}, {}x{}", run.plan.scene, run.plan.width, run.plan.height);
+  // The library's labels name every parameter that differs within a technique; in a sweep that is too long to place.
+  for (replay::PlotPoint& point : plot.points) {
+    const auto found = std::ranges::find_if(
+        summaries, [&](const Summary& summary) { return replay::setting_label(summary, summaries) == point.label; });
+    if (found != summaries.end()) point.label = setting_name(*found);
+  }
+  return plot;
+}
+
+std::string scene_markdown(const Run& run, Document& document) {
+  const std::vector<Summary> summaries = summarise(run.results);
+  const replay::Plot time = plot_of(run, summaries, replay::PlotCost::ratio);
+  const replay::Plot memory = plot_of(run, summaries, replay::PlotCost::memory);
+  std::string text = fmt::format("### {}\n\n", run.plan.scene);
+  for (const auto& [name, plot] : {std::pair("time", &time), std::pair("memory", &memory)}) {
+    if (plot->points.empty()) continue;
+    const std::string file = fmt::format("{}/{}_{}.svg", kImageFolder, run.plan.scene, name);
+    document.images.emplace_back(file, to_svg(*plot));
+    text += fmt::format("![{}: {} against error]({})\n", run.plan.scene, name, file);
+  }
+  text +=
+      "\n| setting | bytes/pixel, published | fitted | executions/pixel | time over `msaa` 8x | spread | ms | MSE, "
+      "1e-4 | FLIP | "
+      "on the front |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  const FrameResult* msaa = find(run, "msaa");
+  for (const FrameResult& result : run.results.results) {
+    const std::string name = setting_name(result.technique, result.parameters);
+    text += fmt::format("| `{}` | {:.1f} | {:.1f} | {:.3f} | {} | {:.1f} | {:.2f} | {:.4f} | {} |\n", name,
+                        result.memory.paper_bytes_per_pixel, result.memory.fitted_bytes_per_pixel,
+                        result.shading.per_pixel_mean,
+                        msaa == nullptr   ? "|"
+                        : msaa == &result ? "1.00 |"
+                                          : spread_text(time_ratio(result, *msaa)),
+                        result.ms.total_ms, result.error.mse * 1e4, result.error.flip_mean, fronts(time, memory, name));
+  }
+  return text + "\n";
+}
+
+// The same settings at several sizes, of scenes that have more than one.
+std::string sizes_markdown(const Measured& measured) {
+  std::string text;
+  for (const Run* sweep : measured.of_kind(RunKind::sweep)) {
+    std::vector<const Run*> runs;
+    for (const Run& run : measured.runs)
+      if (run.plan.scene == sweep->plan.scene && !run.plan.point_lights) runs.push_back(&run);
+    if (runs.size() < 2) continue;
+    std::ranges::sort(runs, {}, [](const Run* run) { return run->plan.width; });
+    std::string title = fmt::format("| {} |", sweep->plan.scene), rule = "| --- |";
+    for (const Run* run : runs) {
+      title += fmt::format(" {}x{}: time | MSE | over `msaa` 8x | ms |", run->plan.width, run->plan.height);
+      rule += " --- | --- | --- | --- |";
+    }
+    text += title + "\n" + rule + "\n";
+    for (const FrameResult& setting : runs.back()->results.results) {
+      std::string row = fmt::format("| `{}` |", setting_name(setting.technique, setting.parameters));
+      for (const Run* run : runs) {
+        const FrameResult* result = find(*run, setting.technique, setting.parameters);
+        const FrameResult* msaa = find(*run, "msaa");
+        row += result == nullptr || msaa == nullptr
+                   ? " | | | |"
+                   : fmt::format(" {:.2f} | {:.2f} | {:.2f} | {:.0f} |", result->ms.total_ms / msaa->ms.total_ms,
+                                 result->error.mse * 1e4, result->error.mse / msaa->error.mse, result->ms.total_ms);
+      }
+      text += row + "\n";
+    }
+    text += "\n";
+  }
+  if (text.empty()) return text;
+  return "## Sizes\n\nTime over `msaa` 8x of the same run, MSE in 1e-4 and over that of `msaa` 8x, ms.\n\n" + text;
+}
+
+}  // namespace
+
+Document make_document(const Measured& measured, const std::vector<Claim>& claims, const std::string& command) {
+  Document document;
+  document.markdown = head(measured, command) + claims_markdown(measured, claims) + "## Who wins where\n\n" +
+                      winners_markdown(measured) + "\n" + sizes_markdown(measured) +
+                      "## Speed and memory against error\n\n"
+                      "The dashed line is the Pareto front: what lies on it has no setting beside it that is better in "
+                      "one and as good in "
+                      "the other.\n\n";
+  for (const Run* run : measured.of_kind(RunKind::sweep)) document.markdown += scene_markdown(*run, document);
+  while (document.markdown.ends_with("\n\n")) document.markdown.pop_back();
+  return document;
+}
+
+void write_document(const Document& document, const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.parent_path();
+  std::filesystem::remove_all(folder / kImageFolder);
+  for (const auto& [path, svg] : document.images) replay::write_file_atomically(folder / path, std::string_view(svg));
+  replay::write_file_atomically(file, std::string_view(document.markdown));
+}
+
+}  // namespace subpixel::report

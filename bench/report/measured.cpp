@@ -1,0 +1,85 @@
+#include "bench/report/measured.hpp"
+
+#include <algorithm>
+
+#include "replay/techniques/technique.hpp"
+
+namespace subpixel::report {
+namespace {
+
+using replay::FrameResult;
+
+struct Time {
+  double ms, spread_ms;
+};
+
+Interval ratio(const Time& time, const Time& base) {
+  const double half = 0.5 * time.spread_ms, base_half = 0.5 * base.spread_ms;
+  return {(time.ms - half) / (base.ms + base_half), time.ms / base.ms,
+          (time.ms + half) / std::max(base.ms - base_half, 0.5 * base.ms)};
+}
+
+}  // namespace
+
+std::vector<const Run*> Measured::of_kind(RunKind kind) const {
+  std::vector<const Run*> found;
+  for (const Run& run : runs)
+    if (run.plan.kind == kind) found.push_back(&run);
+  return found;
+}
+
+std::vector<const Run*> Measured::largest() const {
+  std::vector<const Run*> found;
+  for (const Run& run : runs) {
+    if (run.plan.point_lights) continue;
+    const auto same =
+        std::ranges::find_if(found, [&](const Run* other) { return other->plan.scene == run.plan.scene; });
+    if (same == found.end()) {
+      found.push_back(&run);
+    } else if (run.plan.width * run.plan.height > (*same)->plan.width * (*same)->plan.height) {
+      *same = &run;
+    }
+  }
+  return found;
+}
+
+const Run* Measured::with_lights(std::string_view scene, std::uint32_t point_lights) const {
+  for (const Run& run : runs)
+    if (run.plan.scene == scene && run.plan.point_lights == point_lights) return &run;
+  return nullptr;
+}
+
+const FrameResult* find(const Run& run, std::string_view technique, const replay::ParameterValues& given) {
+  const auto wanted = check_parameters(technique, replay::find_technique(technique).parameters, given);
+  for (const FrameResult& result : run.results.results)
+    if (result.technique == technique && result.parameters == wanted) return &result;
+  return nullptr;
+}
+
+Interval time_ratio(const FrameResult& result, const FrameResult& base) {
+  return ratio({result.ms.total_ms, result.ms.spread_ms}, {base.ms.total_ms, base.ms.spread_ms});
+}
+
+Interval passes_ratio(const FrameResult& result, const std::vector<std::string_view>& passes, const FrameResult& base,
+                      const std::vector<std::string_view>& base_passes) {
+  const auto time = [](const FrameResult& of, const std::vector<std::string_view>& names) {
+    const double ms = passes_ms(of, names);
+    return Time{ms, of.ms.total_ms > 0 ? ms * of.ms.spread_ms / of.ms.total_ms : 0};
+  };
+  return ratio(time(result, passes), time(base, base_passes));
+}
+
+double passes_ms(const FrameResult& result, const std::vector<std::string_view>& passes) {
+  double sum = 0;
+  for (const replay::PassTime& pass : result.ms.passes)
+    if (std::ranges::find(passes, pass.name) != passes.end()) sum += pass.median_ms;
+  return sum;
+}
+
+double counter_per_pixel(const FrameResult& result, const std::string& name) {
+  const auto found = result.counters.find(name);
+  return found == result.counters.end() ? 0
+                                        : static_cast<double>(found->second) / (double(result.width) * result.height);
+}
+
+}  // namespace subpixel::report

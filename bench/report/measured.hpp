@@ -1,0 +1,43 @@
+// The stored runs, and how claims look things up in them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/report/plan.hpp"
+#include "bench/report/verdict.hpp"
+#include "replay/results.hpp"
+
+namespace subpixel::report {
+
+struct Run {
+  RunPlan plan;
+  replay::Results results;
+};
+
+struct Measured {
+  std::vector<Run> runs;
+
+  std::vector<const Run*> of_kind(RunKind kind) const;
+  // Of each scene the run with the most pixels that has the recorded lights, in the order of the runs: for times.
+  std::vector<const Run*> largest() const;
+  const Run* with_lights(std::string_view scene, std::uint32_t point_lights) const;  // null when there is none
+};
+
+// The result of a technique with `given` parameters and its defaults for all others; null when it was not measured.
+// Throws UsageError for names that the registry doesn't have.
+const replay::FrameResult* find(const Run& run, std::string_view technique, const replay::ParameterValues& given = {});
+
+// Time of `result` over that of `base`. The ends are by half of the spread of the repeats of each, as in the plots.
+Interval time_ratio(const replay::FrameResult& result, const replay::FrameResult& base);
+// The same for the sum of some passes, whose spread is taken for the same share of them as that of the whole frame.
+Interval passes_ratio(const replay::FrameResult& result, const std::vector<std::string_view>& passes,
+                      const replay::FrameResult& base, const std::vector<std::string_view>& base_passes);
+// ms of the named passes.
+double passes_ms(const replay::FrameResult& result, const std::vector<std::string_view>& passes);
+// The sum of a counter over the pixels; 0 when the result has none of that name.
+double counter_per_pixel(const replay::FrameResult& result, const std::string& name);
+
+}  // namespace subpixel::report
