@@ -17,8 +17,9 @@ struct Claim {
   std::string criterion;                      // how it is judged here, and on which runs
   std::string column;                         // what Comparison::where names: "scene"
   std::function<std::vector<Comparison>(const Measured&)> compare;
-  // Why it does not hold, with measured numbers; asked for only when a comparison fails.
-  std::function<std::string(const Measured&)> reason;
+  // Why it does not hold, with measured numbers; asked for only when a comparison fails, of the runs of the scenes that
+  // fail.
+  std::function<std::string(const Measured& failed)> reason;
 };
 
 // In the order of the page.

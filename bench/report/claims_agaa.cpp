@@ -70,7 +70,7 @@ std::vector<Comparison> quality(const Measured& measured) {
     if (ours == nullptr || sbaa == nullptr || std::isnan(ours->error.mse)) continue;
     comparisons.push_back({run->plan.scene, "nearly the same or better",
                            fmt::format("{:.2f} / {:.2f}", ours->error.mse * 1e4, sbaa->error.mse * 1e4),
-                           at_most(exactly(ours->error.mse), 1.05 * sbaa->error.mse)});
+                           at_most(exactly(ours->error.mse), 1.05 * sbaa->error.mse), run->plan.scene});
   }
   return comparisons;
 }
@@ -85,7 +85,7 @@ std::vector<Comparison> more_samples(const Measured& measured) {
     comparisons.push_back(
         {run->plan.scene, "falls",
          fmt::format("{:.2f}, {:.2f}, {:.2f}", at[0]->error.mse * 1e4, at[1]->error.mse * 1e4, at[2]->error.mse * 1e4),
-         falls ? Outcome::held : Outcome::not_held});
+         falls ? Outcome::held : Outcome::not_held, run->plan.scene});
   }
   return comparisons;
 }
@@ -100,8 +100,8 @@ std::vector<Comparison> executions(const Measured& measured, const char* techniq
     if (ours == nullptr || other == nullptr || other->shading.executions == 0) continue;
     const double share =
         100 * static_cast<double>(ours->shading.executions) / static_cast<double>(other->shading.executions);
-    comparisons.push_back(
-        {run->plan.scene, words_of(run->plan.scene), fmt::format("{:.0f}%", share), at_most(exactly(share), percent)});
+    comparisons.push_back({run->plan.scene, words_of(run->plan.scene), fmt::format("{:.0f}%", share),
+                           at_most(exactly(share), percent), run->plan.scene});
   }
   return comparisons;
 }
@@ -153,7 +153,7 @@ std::vector<Comparison> speed(const Measured& measured, Part part, std::optional
       comparisons.push_back({fmt::format("{} {}x", row.scene, samples),
                              fmt::format("{:.2f} ({})", published, row.stands_for),
                              fmt::format("{:.2f} ({:.2f} to {:.2f})", gain.value, gain.low, gain.high),
-                             at_least(gain, wanted.value_or(published))});
+                             at_least(gain, wanted.value_or(published)), row.scene});
     }
   }
   return comparisons;

@@ -35,7 +35,7 @@ std::vector<Comparison> below(const Measured& measured, const char* technique,
     const auto known = published.find(run->plan.scene);
     comparisons.push_back({run->plan.scene, known == published.end() ? "below" : known->second,
                            fmt::format("{:.2f} / {:.2f}", ours->error.mse * 1e4, other->error.mse * 1e4),
-                           at_most(exactly(ours->error.mse), other->error.mse)});
+                           at_most(exactly(ours->error.mse), other->error.mse), run->plan.scene});
   }
   return comparisons;
 }
@@ -65,7 +65,7 @@ std::vector<Comparison> four_surfaces(const Measured& measured) {
     comparisons.push_back({run->plan.scene, "a sweet spot",
                            fmt::format("{:.2f}, S=8 {:.2f}: {:.2f} times", four->error.mse * 1e4,
                                        eight->error.mse * 1e4, four->error.mse / eight->error.mse),
-                           at_most(exactly(four->error.mse), 1.1 * eight->error.mse)});
+                           at_most(exactly(four->error.mse), 1.1 * eight->error.mse), run->plan.scene});
   }
   return comparisons;
 }

@@ -47,7 +47,7 @@ std::vector<Comparison> real_use(const Measured& measured) {
     comparisons.push_back(
         {fmt::format("{} {}x{}", run->plan.scene, run->plan.width, run->plan.height), "115.31 of 126.56 MiB",
          fmt::format("{:.2f} of {:.2f} MiB, {:.2f} blocks a pixel", mebi, kMsaa4xMebi, blocks_per_pixel(*ours)),
-         at_most(exactly(mebi), kMsaa4xMebi)});
+         at_most(exactly(mebi), kMsaa4xMebi), run->plan.scene});
   }
   return comparisons;
 }
@@ -60,7 +60,8 @@ std::vector<Comparison> once_each(const Measured& measured) {
     if (ours == nullptr || forward == nullptr) continue;
     comparisons.push_back(
         {run->plan.scene, "equal", fmt::format("{} and {}", ours->shading.executions, forward->shading.executions),
-         equal(static_cast<double>(ours->shading.executions), static_cast<double>(forward->shading.executions), 0)});
+         equal(static_cast<double>(ours->shading.executions), static_cast<double>(forward->shading.executions), 0),
+         run->plan.scene});
   }
   return comparisons;
 }
@@ -94,7 +95,8 @@ std::vector<Comparison> times(const Measured& measured, Limit limit) {
       comparisons.push_back(
           {fmt::format("{} {}x{}, {} lights, {}x", row.scene, run->plan.width, run->plan.height, row.lights, samples),
            fmt::format("{:.2f} ({})", published, row.stands_for),
-           fmt::format("{:.2f} ({:.2f} to {:.2f})", ratio.value, ratio.low, ratio.high), at_most(ratio, *most)});
+           fmt::format("{:.2f} ({:.2f} to {:.2f})", ratio.value, ratio.low, ratio.high), at_most(ratio, *most),
+           row.scene});
     }
   }
   return comparisons;

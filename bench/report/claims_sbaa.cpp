@@ -25,7 +25,7 @@ std::vector<Comparison> above_msaa(const Measured& measured) {
     const auto known = published.find(run->plan.scene);
     comparisons.push_back({run->plan.scene, known == published.end() ? "above 1" : known->second,
                            fmt::format("{:.2f}", ours->error.mse / msaa->error.mse),
-                           at_least(exactly(ours->error.mse), msaa->error.mse)});
+                           at_least(exactly(ours->error.mse), msaa->error.mse), run->plan.scene});
   }
   return comparisons;
 }

@@ -47,7 +47,7 @@ std::vector<Comparison> executions(const Measured& measured) {
       const double limit = published_share(run->plan.scene, samples);
       const char* of = run->plan.scene == "grass" ? "Grass" : run->plan.scene == "arcade" ? "Sponza" : "any scene";
       comparisons.push_back({fmt::format("{} {}x", run->plan.scene, samples), fmt::format("{:.1f}% ({})", limit, of),
-                             fmt::format("{:.1f}%", share), at_most(exactly(share), limit)});
+                             fmt::format("{:.1f}%", share), at_most(exactly(share), limit), run->plan.scene});
     }
   }
   return comparisons;
@@ -62,7 +62,7 @@ std::vector<Comparison> three_surfaces(const Measured& measured) {
     comparisons.push_back({run->plan.scene, "indistinguishable",
                            fmt::format("FLIP {:.4f}, `forward` 8x {:.4f}: {:.2f} times", ours->error.flip_mean,
                                        forward->error.flip_mean, ours->error.flip_mean / forward->error.flip_mean),
-                           at_most(exactly(ours->error.flip_mean), 1.1 * forward->error.flip_mean)});
+                           at_most(exactly(ours->error.flip_mean), 1.1 * forward->error.flip_mean), run->plan.scene});
   }
   return comparisons;
 }
@@ -76,7 +76,7 @@ std::vector<Comparison> fourth_surface(const Measured& measured) {
     comparisons.push_back({run->plan.scene, "no difference",
                            fmt::format("{:.2f}, S=4 {:.2f}: {:.2f} times", three->error.mse * 1e4,
                                        four->error.mse * 1e4, three->error.mse / four->error.mse),
-                           at_most(exactly(three->error.mse), 1.1 * four->error.mse)});
+                           at_most(exactly(three->error.mse), 1.1 * four->error.mse), run->plan.scene});
   }
   return comparisons;
 }
@@ -90,7 +90,7 @@ std::vector<Comparison> frame_time(const Measured& measured) {
     const Interval ratio = time_ratio(*ours, *base);
     comparisons.push_back({fmt::format("{} {}x{}", run->plan.scene, run->plan.width, run->plan.height), "0.7",
                            fmt::format("{:.2f} ({:.2f} to {:.2f})", ratio.value, ratio.low, ratio.high),
-                           at_most(ratio, 0.7)});
+                           at_most(ratio, 0.7), run->plan.scene});
   }
   return comparisons;
 }

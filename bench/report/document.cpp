@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "bench/report/winners.hpp"
@@ -64,8 +66,34 @@ std::string head(const Measured& measured, const std::string& command) {
          "what a setting's name does not say is the default (8 samples, `dcaa` 64).\n\n";
 }
 
-std::string claim_anchor(std::size_t number) {
-  return fmt::format("claim-{}", number);
+// "3. streaming: three surfaces look like 8x MSAA", and the anchor that Markdown readers make of a heading.
+std::string heading_of(const Claim& claim, std::size_t number) {
+  std::string text = fmt::format("{}. {}: {}", number, claim.technique, claim.title);
+  std::erase(text, '`');
+  return text;
+}
+std::string anchor_of(const std::string& heading) {
+  std::string anchor;
+  for (const char c : heading) {
+    if (c == ' ') {
+      anchor += '-';
+    } else if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_') {
+      anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  return anchor;
+}
+
+// The runs of the scenes that some comparison failed on; all runs when those say no scene.
+Measured failed_runs(const Measured& measured, const std::vector<Comparison>& comparisons) {
+  std::set<std::string> scenes;
+  for (const Comparison& comparison : comparisons)
+    if (comparison.outcome == Outcome::not_held && !comparison.scene.empty()) scenes.insert(comparison.scene);
+  if (scenes.empty()) return measured;
+  Measured failed;
+  std::ranges::copy_if(measured.runs, std::back_inserter(failed.runs),
+                       [&](const Run& run) { return scenes.contains(run.plan.scene); });
+  return failed;
 }
 
 std::string claims_markdown(const Measured& measured, const std::vector<Claim>& claims) {
@@ -74,12 +102,12 @@ std::string claims_markdown(const Measured& measured, const std::vector<Claim>& 
   for (std::size_t i = 0; i < claims.size(); ++i) {
     const Claim& claim = claims[i];
     const std::vector<Comparison> comparisons = claim.compare(measured);
-    const std::string result = words(comparisons);
+    const std::string result = words(comparisons), heading = heading_of(claim, i + 1);
     table +=
-        fmt::format("| [{}](#{}) | `{}`: {} | {} | {} |\n", i + 1, claim_anchor(i + 1), claim.technique, claim.title,
+        fmt::format("| [{}](#{}) | `{}`: {} | {} | {} |\n", i + 1, anchor_of(heading), claim.technique, claim.title,
                     claim.published, verdict(comparisons) == Verdict::all ? result : fmt::format("**{}**", result));
-    details += fmt::format("### Claim {}\n\n`{}`: {}. {}, {}: {}. {}\n\n", i + 1, claim.technique, claim.title,
-                           claim.publication, claim.where, claim.published, claim.criterion);
+    details += fmt::format("### {}\n\n{}, {}: {}. {}\n\n", heading, claim.publication, claim.where, claim.published,
+                           claim.criterion);
     if (comparisons.empty()) {
       details += "Not measured.\n\n";
       continue;
@@ -92,7 +120,7 @@ std::string claims_markdown(const Measured& measured, const std::vector<Claim>& 
                              words(comparison.outcome));
     }
     details += fmt::format("\n{}{}.", static_cast<char>(std::toupper(result.front())), result.substr(1));
-    if (failed && claim.reason) details += fmt::format(" {}", claim.reason(measured));
+    if (failed && claim.reason) details += fmt::format(" {}", claim.reason(failed_runs(measured, comparisons)));
     details += "\n\n";
   }
   return table + "\n" + details;

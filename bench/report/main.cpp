@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
   using namespace subpixel;
   report::Arguments arguments;
   CLI::App app("Measures all techniques on all scenes and writes docs/results.md");
-  app.add_flag("--quick", arguments.plan.quick, "Two scenes at 320x180, one repeat; the page goes beside the results");
+  app.add_flag("--quick", arguments.plan.quick, "Two scenes at 320x180; the page goes beside the results");
   app.add_flag("--only-write", arguments.only_write, "Write the page from stored results without a replay");
   app.add_flag("--fresh", arguments.fresh, "Measure stored runs again");
   app.add_option("--scenes", arguments.plan.scenes, "Only these: a,b")->delimiter(',');

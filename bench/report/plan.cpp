@@ -71,7 +71,7 @@ std::vector<RunPlan> make_plan(const PlanOptions& options) {
   for (const std::string& scene : scenes)
     if (scene != "park") capture::find_scene(scene);
 
-  const std::uint32_t repeat = options.quick ? 1 : 3;
+  constexpr std::uint32_t repeat = 3;
   const std::uint32_t samples = options.quick ? 64 : 256;
   RunPlan sweep{RunKind::sweep,
                 "",

@@ -27,7 +27,7 @@ struct RunPlan {
 };
 
 struct PlanOptions {
-  bool quick = false;                   // two scenes, one small size, one repeat
+  bool quick = false;                   // two scenes, one small size
   std::vector<std::string> scenes;      // only these; empty: all
   std::uint32_t width = 0, height = 0;  // of the sweeps; 0: 640x360, quick 320x180
   std::string techniques;               // of the sweeps, the command line's syntax; empty: the main sweeps

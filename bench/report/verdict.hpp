@@ -25,6 +25,7 @@ Outcome equal(double ours, double published, double tolerance);
 struct Comparison {
   std::string where, published, ours;
   Outcome outcome = Outcome::not_held;
+  std::string scene = {};  // whose runs it is about; empty when it is about none in particular
 };
 
 // all: every comparison holds. none: not one does. some: as `words` says. unknown: nothing was measured, or nothing

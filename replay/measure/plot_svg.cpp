@@ -147,8 +147,10 @@ class Labels {
         taken_.push_back(box);
         std::string out;
         if (distance > 16) {
-          out = fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"currentColor\" stroke-opacity=\".35\"/>",
-                            x, y, std::clamp(x, box.left, box.right), std::clamp(y, box.top, box.bottom));
+          out = fmt::format(
+              "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"currentColor\" stroke-opacity=\".35\" "
+              "stroke-width=\"1\"/>",
+              x, y, std::clamp(x, box.left, box.right), std::clamp(y, box.top, box.bottom));
         }
         return out +
                fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", box.left + 2, anchor_y + 4, escape(text));
