@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace subpixel::report {
 
@@ -14,15 +15,20 @@ std::vector<Claim> all_claims() {
   return claims;
 }
 
+std::string range_text(const std::vector<double>& values, const char* format) {
+  std::vector<double> finite;
+  std::ranges::copy_if(values, std::back_inserter(finite), [](double value) { return std::isfinite(value); });
+  if (finite.empty()) return "none";
+  const auto [least, most] = std::ranges::minmax(finite);
+  const std::string low = fmt::format(fmt::runtime(format), least), high = fmt::format(fmt::runtime(format), most);
+  return low == high ? low : low + " to " + high;
+}
+
 std::string range_text(const std::vector<const Run*>& runs, const std::function<double(const Run&)>& number,
                        const char* format) {
   std::vector<double> values;
-  for (const Run* run : runs)
-    if (const double value = number(*run); std::isfinite(value)) values.push_back(value);
-  if (values.empty()) return "none";
-  const auto [least, most] = std::ranges::minmax(values);
-  const std::string low = fmt::format(fmt::runtime(format), least), high = fmt::format(fmt::runtime(format), most);
-  return low == high ? low : low + " to " + high;
+  for (const Run* run : runs) values.push_back(number(*run));
+  return range_text(values, format);
 }
 
 }  // namespace subpixel::report

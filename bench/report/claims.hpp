@@ -16,6 +16,8 @@ struct Claim {
   std::string published;                      // its numbers, short
   std::string criterion;                      // how it is judged here, and on which runs
   std::string column;                         // what Comparison::where names: "scene"
+  const char* number = "{:.2f}";              // how a Comparison::value is written ...
+  const char* overview = "{}";                // ... and what is said about their range: "{} times the MSE"
   std::function<std::vector<Comparison>(const Measured&)> compare;
   // Why it does not hold, with measured numbers; asked for only when a comparison fails, of the runs of the scenes that
   // fail.
@@ -31,7 +33,9 @@ std::vector<Claim> linked_list_claims();
 std::vector<Claim> agaa_claims();
 std::vector<Claim> dcaa_claims();
 
-// One number of each run, those that lack it left out: "12 to 34", or "none".
+// "12 to 34", "12", or "none". Those that are not a number are left out.
+std::string range_text(const std::vector<double>& values, const char* format);
+// One number of each run.
 std::string range_text(const std::vector<const Run*>& runs, const std::function<double(const Run&)>& number,
                        const char* format);
 

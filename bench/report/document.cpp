@@ -97,15 +97,20 @@ Measured failed_runs(const Measured& measured, const std::vector<Comparison>& co
 }
 
 std::string claims_markdown(const Measured& measured, const std::vector<Claim>& claims) {
-  std::string table = "## What the publications claim\n\n| | claim | published | here |\n| --- | --- | --- | --- |\n";
+  std::string table =
+      "## What the publications claim\n\n| | claim | published | here | held |\n| --- | --- | --- | --- | --- |\n";
   std::string details;
   for (std::size_t i = 0; i < claims.size(); ++i) {
     const Claim& claim = claims[i];
     const std::vector<Comparison> comparisons = claim.compare(measured);
     const std::string result = words(comparisons), heading = heading_of(claim, i + 1);
+    std::vector<double> values;
+    for (const Comparison& comparison : comparisons) values.push_back(comparison.value);
     table +=
-        fmt::format("| [{}](#{}) | `{}`: {} | {} | {} |\n", i + 1, anchor_of(heading), claim.technique, claim.title,
-                    claim.published, verdict(comparisons) == Verdict::all ? result : fmt::format("**{}**", result));
+        fmt::format("| [{}](#{}) | `{}`: {} | {} | {} | {} |\n", i + 1, anchor_of(heading), claim.technique,
+                    claim.title, claim.published,
+                    values.empty() ? "" : fmt::format(fmt::runtime(claim.overview), range_text(values, claim.number)),
+                    verdict(comparisons) == Verdict::all ? result : fmt::format("**{}**", result));
     details += fmt::format("### {}\n\n{}, {}: {}. {}\n\n", heading, claim.publication, claim.where, claim.published,
                            claim.criterion);
     if (comparisons.empty()) {

@@ -25,6 +25,7 @@ Outcome equal(double ours, double published, double tolerance);
 struct Comparison {
   std::string where, published, ours;
   Outcome outcome = Outcome::not_held;
+  double value = 0;        // what the claim's overview gives the range of
   std::string scene = {};  // whose runs it is about; empty when it is about none in particular
 };
 
