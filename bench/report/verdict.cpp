@@ -9,12 +9,12 @@ namespace subpixel::report {
 
 Outcome at_most(const Interval& ours, double limit) {
   if (ours.high <= limit) return Outcome::held;
-  return ours.low > limit || !(ours.low <= ours.high) ? Outcome::not_held : Outcome::undecided;
+  return ours.low <= limit ? Outcome::undecided : Outcome::not_held;  // what is no number included
 }
 
 Outcome at_least(const Interval& ours, double limit) {
   if (ours.low >= limit) return Outcome::held;
-  return ours.high < limit || !(ours.low <= ours.high) ? Outcome::not_held : Outcome::undecided;
+  return ours.high >= limit ? Outcome::undecided : Outcome::not_held;
 }
 
 Outcome equal(double ours, double published, double tolerance) {

@@ -1,0 +1,266 @@
+// The report's verdicts follow the numbers: made-up results on both sides of each kind of claim.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "bench/report/claims.hpp"
+#include "bench/report/document.hpp"
+#include "bench/report/store.hpp"
+#include "bench/report/winners.hpp"
+#include "replay/techniques/technique.hpp"
+
+namespace subpixel::report {
+namespace {
+
+using replay::FrameResult;
+using replay::ParameterValues;
+
+FrameResult made_up(const std::string& technique, const ParameterValues& given = {}) {
+  FrameResult result;
+  result.technique = technique;
+  result.parameters = check_parameters(technique, replay::find_technique(technique).parameters, given);
+  result.samples = result.parameters.at("samples").get<std::uint32_t>();
+  result.width = 100;
+  result.height = 10;
+  result.ms.total_ms = 100;
+  result.memory.fitted_bytes_per_pixel = result.memory.paper_bytes_per_pixel = 100;
+  result.shading.executions = 1000;
+  result.error.mse = 1e-4;
+  result.error.flip_mean = 0.01;
+  return result;
+}
+
+Run sweep(const std::string& scene, std::vector<FrameResult> results) {
+  Run run;
+  run.plan = {RunKind::sweep, scene, 100, 10, std::nullopt, 64, 3, {}};
+  run.results.head.reference_samples = 64;
+  run.results.results = std::move(results);
+  return run;
+}
+
+std::vector<Comparison> compare(const std::string& title, const Measured& measured) {
+  for (const Claim& claim : all_claims())
+    if (claim.technique + ": " + claim.title == title) return claim.compare(measured);
+  ADD_FAILURE() << "no claim " << title;
+  return {};
+}
+
+TEST(ReportVerdict, ALimitWithinTheSpreadDecidesNothing) {
+  const Interval interval{0.9, 1.0, 1.1};
+  EXPECT_EQ(at_most(interval, 1.1), Outcome::held);
+  EXPECT_EQ(at_most(interval, 1.05), Outcome::undecided);
+  EXPECT_EQ(at_most(interval, 0.9), Outcome::undecided);
+  EXPECT_EQ(at_most(interval, 0.89), Outcome::not_held);
+  EXPECT_EQ(at_least(interval, 0.9), Outcome::held);
+  EXPECT_EQ(at_least(interval, 1.0), Outcome::undecided);
+  EXPECT_EQ(at_least(interval, 1.11), Outcome::not_held);
+  EXPECT_EQ(equal(96, 96.04, 0.05), Outcome::held);
+  EXPECT_EQ(equal(96, 96.06, 0.05), Outcome::not_held);
+}
+
+TEST(ReportVerdict, WhatIsNoNumberDoesNotHold) {
+  const double none = std::nan("");
+  EXPECT_EQ(at_most(exactly(none), 1), Outcome::not_held);
+  EXPECT_EQ(at_least(exactly(none), 1), Outcome::not_held);
+  EXPECT_EQ(at_most(exactly(1), none), Outcome::not_held);
+  EXPECT_EQ(equal(none, 1, 0.1), Outcome::not_held);
+}
+
+TEST(ReportVerdict, WordsCountScenes) {
+  const Comparison yes{"a", "", "", Outcome::held}, no{"b", "", "", Outcome::not_held},
+      open{"c", "", "", Outcome::undecided};
+  EXPECT_EQ(words(std::vector<Comparison>{}), "not measured");
+  EXPECT_EQ(words({yes, yes}), "held");
+  EXPECT_EQ(words({yes, no, no}), "held on 1 of 3");
+  EXPECT_EQ(words({no, no}), "not held");
+  EXPECT_EQ(words({yes, no, open}), "held on 1 of 3, 1 within the spread");
+  EXPECT_EQ(words({no, open}), "not held, 1 within the spread");
+  EXPECT_EQ(words({open}), "within the spread");
+  EXPECT_EQ(verdict({yes, yes}), Verdict::all);
+  EXPECT_EQ(verdict({yes, open}), Verdict::some);
+  EXPECT_EQ(verdict({no}), Verdict::none);
+  EXPECT_EQ(verdict({open}), Verdict::unknown);
+  EXPECT_EQ(verdict({}), Verdict::unknown);
+}
+
+TEST(ReportVerdict, NothingMeasuredJudgesNothing) {
+  const Measured nothing, bare{{sweep("city", {made_up("noaa")})}};
+  for (const Claim& claim : all_claims()) {
+    EXPECT_TRUE(claim.compare(nothing).empty()) << claim.title;
+    EXPECT_TRUE(claim.compare(bare).empty()) << claim.title;
+    // A reason must not need what is missing either.
+    EXPECT_TRUE(!claim.reason || !claim.reason(bare).empty()) << claim.title;
+  }
+}
+
+TEST(ReportVerdict, PublishedBytesHoldToADigit) {
+  FrameResult eight = made_up("streaming"), base = made_up("simple_complex");
+  eight.memory.paper_bytes_per_pixel = 96;
+  base.memory.paper_bytes_per_pixel = 192;
+  const char* title = "streaming: memory against `simple_complex`";
+  EXPECT_EQ(words(compare(title, {{sweep("city", {eight, base})}})), "held");
+  eight.memory.paper_bytes_per_pixel = 96.5;
+  EXPECT_EQ(words(compare(title, {{sweep("city", {eight, base})}})), "not held");
+  eight.memory.paper_bytes_per_pixel = 96;
+  base.memory.paper_bytes_per_pixel = 193;
+  EXPECT_EQ(words(compare(title, {{sweep("city", {eight, base})}})), "not held");
+}
+
+TEST(ReportVerdict, ExecutionsAreHeldToTheSceneTheyStandFor) {
+  FrameResult ours = made_up("streaming"), base = made_up("simple_complex");
+  ours.shading.executions = 449;
+  const char* title = "streaming: fewer lighting executions than `simple_complex`";
+  EXPECT_EQ(words(compare(title, {{sweep("grass", {ours, base})}})), "held");
+  ours.shading.executions = 450;
+  EXPECT_EQ(words(compare(title, {{sweep("grass", {ours, base})}})), "not held");
+  EXPECT_EQ(words(compare(title, {{sweep("arcade", {ours, base})}})), "held");
+  ours.shading.executions = 779;
+  EXPECT_EQ(words(compare(title, {{sweep("arcade", {ours, base})}})), "not held");
+}
+
+TEST(ReportVerdict, ErrorsDecideSceneByScene) {
+  FrameResult better = made_up("dcaa"), worse = made_up("dcaa");
+  better.error.mse = 0.99e-4;
+  worse.error.mse = 1.01e-4;
+  const Measured measured{
+      {sweep("bamboo", {better, made_up("msaa")}), sweep("city", {worse, made_up("msaa")}), sweep("grass", {worse})}};
+  const auto comparisons = compare("dcaa: less error than 8x MSAA on every scene", measured);
+  ASSERT_EQ(comparisons.size(), 2u);  // grass lacks msaa
+  EXPECT_EQ(comparisons[0].outcome, Outcome::held);
+  EXPECT_EQ(comparisons[1].outcome, Outcome::not_held);
+  EXPECT_EQ(comparisons[1].scene, "city");
+  EXPECT_NEAR(comparisons[1].value, 1.01, 1e-9);
+}
+
+TEST(ReportVerdict, AnotherParameterIsAnotherSetting) {
+  FrameResult changed = made_up("dcaa", {{"merge_weight", "shown"}});
+  const Measured measured{{sweep("city", {changed, made_up("msaa")})}};
+  EXPECT_TRUE(compare("dcaa: less error than 8x MSAA on every scene", measured).empty());
+}
+
+TEST(ReportVerdict, TimesDecideOnlyBeyondTheirSpread) {
+  FrameResult ours = made_up("streaming"), base = made_up("simple_complex");
+  const char* title = "streaming: 30% less frame time than `simple_complex`";
+  ours.ms.total_ms = 65;
+  EXPECT_EQ(words(compare(title, {{sweep("city", {ours, base})}})), "held");
+  ours.ms.spread_ms = 20;  // 55 to 75
+  EXPECT_EQ(words(compare(title, {{sweep("city", {ours, base})}})), "within the spread");
+  ours.ms.total_ms = 85;  // 75 to 95
+  EXPECT_EQ(words(compare(title, {{sweep("city", {ours, base})}})), "not held");
+}
+
+TEST(ReportVerdict, SpeedUpsAreOfTheRunWithThePublishedLights) {
+  FrameResult ours = made_up("agaa"), base = made_up("simple_complex");
+  ours.ms.passes = {{"visibility", 50}, {"shade", 10}};
+  base.ms.passes = {{"visibility", 50}, {"shade simple", 10}, {"shade complex", 18.4}};
+  auto run = sweep("city", {ours, base});
+  const char* title = "agaa: speed-up of shading";
+  EXPECT_TRUE(compare(title, {{run}}).empty());
+  run.plan.kind = RunKind::lights;
+  run.plan.point_lights = 16;
+  EXPECT_EQ(words(compare(title, {{run}})), "held");  // 2.84, as Old City has
+  run.results.results[1].ms.passes[2].median_ms = 18.3;
+  EXPECT_EQ(words(compare(title, {{run}})), "not held");
+}
+
+TEST(ReportVerdict, ListsAreMeasuredByTheBlocksInUse) {
+  FrameResult lists = made_up("linked_list");
+  // 64 bytes a pixel are those of 4x MSAA: 32 of depth and 16 / 7 blocks.
+  lists.counters["blocks_used"] = 1285;
+  const char* title = "linked_list: 8x lists take less memory than 4x MSAA";
+  EXPECT_EQ(words(compare(title, {{sweep("city", {lists})}})), "held");
+  lists.counters["blocks_used"] = 1287;
+  EXPECT_EQ(words(compare(title, {{sweep("city", {lists})}})), "not held");
+}
+
+TEST(ReportWinners, KeepToTheirBudgets) {
+  FrameResult msaa = made_up("msaa"), quick = made_up("agaa"), slow = made_up("dcaa"), small = made_up("fxaa");
+  quick.error.mse = 0.8e-4;
+  quick.ms.total_ms = 99;
+  slow.error.mse = 0.5e-4;
+  slow.ms.total_ms = 101;
+  small.error.mse = 9e-4;
+  small.memory.fitted_bytes_per_pixel = 17;
+  small.ms.total_ms = 20;
+  replay::Results results;
+  results.results = {msaa, quick, slow, small};
+  const auto summaries = summarise(results);
+  EXPECT_EQ(lowest_error_in_time(summaries, replay::PlotError::mse)->technique, "agaa");
+  EXPECT_EQ(least_memory(summaries, replay::PlotError::mse, 1e-3)->technique, "fxaa");
+  EXPECT_EQ(least_memory(summaries, replay::PlotError::mse, 8e-4)->technique, "dcaa");  // of equal bytes the better one
+  EXPECT_EQ(least_memory(summaries, replay::PlotError::mse, 1e-5), nullptr);
+}
+
+TEST(ReportPlan, NamesSettingsByWhatTellsThemApart) {
+  const auto name = [](const std::string& technique, const ParameterValues& given) {
+    return setting_name(technique, made_up(technique, given).parameters);
+  };
+  EXPECT_EQ(name("noaa", {}), "noaa");
+  EXPECT_EQ(name("msaa", {}), "msaa 8x");
+  EXPECT_EQ(name("streaming", {}), "streaming S=3");
+  EXPECT_EQ(name("streaming", {{"samples", 4}, {"occlusion", "depth_test"}}), "streaming S=3 4x occlusion=depth_test");
+  EXPECT_EQ(name("agaa", {{"aggregates", 3}, {"samples", 16}}), "agaa c=3 16x");
+  EXPECT_EQ(name("linked_list", {{"pool", 0}}), "linked_list 8x pool=0.0");
+}
+
+TEST(ReportPlan, SweepsHaveEveryTechnique) {
+  const auto plan = make_plan({.scenes = {"city", "grass"}});
+  std::map<std::string, int> names;
+  for (const RunPlan& run : plan) ++names[run.name()];
+  for (const auto& [name, count] : names) EXPECT_EQ(count, 1) << name;  // one file each
+  ASSERT_EQ(plan.front().kind, RunKind::sweep);
+  for (const replay::Technique* technique : replay::techniques()) {
+    EXPECT_TRUE(std::ranges::any_of(plan.front().techniques, [&](const auto& request) {
+      return request.technique == technique->name;
+    })) << technique->name;
+  }
+}
+
+TEST(ReportPlan, StoredRunsMustAnswerWhatIsAskedNow) {
+  const RunPlan plan = make_plan({.quick = true, .scenes = {"cube"}, .techniques = "noaa,msaa:samples=4|8"}).front();
+  replay::Results results;
+  results.head.width = plan.width;
+  results.head.height = plan.height;
+  results.head.repeat = plan.repeat;
+  results.head.reference_samples = plan.reference_samples;
+  for (const auto& request : plan.techniques) results.results.push_back(made_up(request.technique, request.parameters));
+  EXPECT_TRUE(answers(results, plan));
+  replay::Results other = results;
+  other.head.repeat = 1;
+  EXPECT_FALSE(answers(other, plan));
+  other = results;
+  other.results.back().parameters["samples"] = 16;
+  EXPECT_FALSE(answers(other, plan));
+  other = results;
+  other.results.pop_back();
+  EXPECT_FALSE(answers(other, plan));
+}
+
+TEST(ReportDocument, AReasonStandsOnlyWhereAClaimFails) {
+  Claim claim = dcaa_claims()[1];
+  claim.reason = [](const Measured& failed) {
+    return "Because of " + std::to_string(failed.runs.size()) + " scene, " + failed.runs[0].plan.scene + ".";
+  };
+  FrameResult better = made_up("dcaa"), worse = made_up("dcaa");
+  better.error.mse = 0.5e-4;
+  worse.error.mse = 2e-4;
+  const auto good = sweep("bamboo", {better, made_up("msaa")}), bad = sweep("city", {worse, made_up("msaa")});
+  const std::string held = make_document({{good}}, {claim}, "command").markdown;
+  EXPECT_NE(held.find("| 0.50 times the MSE | held |"), std::string::npos) << held;
+  EXPECT_EQ(held.find("Because of"), std::string::npos) << held;
+  const Document both = make_document({{good, bad}}, {claim}, "command");
+  EXPECT_NE(both.markdown.find("| 0.50 to 2.00 times the MSE | **held on 1 of 2** |"), std::string::npos)
+      << both.markdown;
+  EXPECT_NE(both.markdown.find("Held on 1 of 2. Because of 1 scene, city."), std::string::npos) << both.markdown;
+  // Time and memory plots of both scenes, linked where they are written.
+  ASSERT_EQ(both.images.size(), 4u);
+  for (const auto& [path, svg] : both.images) {
+    EXPECT_NE(both.markdown.find("(" + path + ")"), std::string::npos) << path;
+    EXPECT_TRUE(svg.starts_with("<svg")) << path;
+  }
+}
+
+}  // namespace
+}  // namespace subpixel::report
