@@ -41,7 +41,7 @@ std::string head(const Measured& measured, const std::string& command) {
       "Written by `bench/report` from what it measured; nothing on this page is typed in but the publications' own "
       "numbers and the\n"
       "reasons, and a reason shows only where the numbers do not come out. One command makes all of it again:\n\n"
-      "```\n{}\n```\n\n"
+      "```\nninja -C build/release subpixel_bench_report\n{}\n```\n\n"
       "It stores every run when it is done (`build/report/`), goes on after an interruption where it was, and "
       "`--only-write` writes the\n"
       "page from what is stored.\n\n"
