@@ -96,7 +96,7 @@ std::vector<RunPlan> make_plan(const PlanOptions& options) {
   const auto [width, height] = options.quick ? std::pair(sweep.width, sweep.height) : std::pair(1280u, 720u);
   if (!options.quick) {
     const RunPlan small{RunKind::size, "", 320, 180, std::nullopt, samples, repeat, settings(kMain, false)};
-    const RunPlan large{RunKind::size, "", width, height, std::nullopt, samples, repeat, settings(kMain, false)};
+    const RunPlan large{RunKind::size, "", width, height, std::nullopt, samples / 2, repeat, settings(kMain, false)};
     for (const std::string& scene : scenes)
       if (contains(kSizeScenes, scene)) add(small, scene), add(large, scene);
   }
