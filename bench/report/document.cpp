@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <set>
 
 #include "bench/report/winners.hpp"
@@ -97,13 +98,14 @@ Measured failed_runs(const Measured& measured, const std::vector<Comparison>& co
 }
 
 std::string claims_markdown(const Measured& measured, const std::vector<Claim>& claims) {
-  std::string table =
-      "## What the publications claim\n\n| | claim | published | here | held |\n| --- | --- | --- | --- | --- |\n";
+  std::string table = "| | claim | published | here | held |\n| --- | --- | --- | --- | --- |\n";
   std::string details;
+  std::map<Verdict, int> counts;
   for (std::size_t i = 0; i < claims.size(); ++i) {
     const Claim& claim = claims[i];
     const std::vector<Comparison> comparisons = claim.compare(measured);
     const std::string result = words(comparisons), heading = heading_of(claim, i + 1);
+    ++counts[verdict(comparisons)];
     std::vector<double> values;
     for (const Comparison& comparison : comparisons) values.push_back(comparison.value);
     table +=
@@ -128,7 +130,14 @@ std::string claims_markdown(const Measured& measured, const std::vector<Claim>& 
     if (failed && claim.reason) details += fmt::format(" {}", claim.reason(failed_runs(measured, comparisons)));
     details += "\n\n";
   }
-  return table + "\n" + details;
+  return fmt::format(
+             "## What the publications claim\n\nOf {} claims {} hold wherever they were measured, {} on some scenes or "
+             "settings, {} on none{}.\n\n",
+             claims.size(), counts[Verdict::all], counts[Verdict::some], counts[Verdict::none],
+             counts[Verdict::unknown] == 0
+                 ? ""
+                 : fmt::format("; {} are undecided or not measured", counts[Verdict::unknown])) +
+         table + "\n" + details;
 }
 
 std::string spread_text(const Interval& ratio) {

@@ -254,6 +254,8 @@ TEST(ReportDocument, AReasonStandsOnlyWhereAClaimFails) {
   EXPECT_NE(both.markdown.find("| 0.50 to 2.00 times the MSE | **held on 1 of 2** |"), std::string::npos)
       << both.markdown;
   EXPECT_NE(both.markdown.find("Held on 1 of 2. Because of 1 scene, city."), std::string::npos) << both.markdown;
+  EXPECT_NE(held.find("Of 1 claims 1 hold wherever they were measured, 0 on some"), std::string::npos) << held;
+  EXPECT_NE(both.markdown.find("Of 1 claims 0 hold wherever they were measured, 1 on some"), std::string::npos);
   // Time and memory plots of both scenes, linked where they are written.
   ASSERT_EQ(both.images.size(), 4u);
   for (const auto& [path, svg] : both.images) {
