@@ -164,9 +164,9 @@ std::vector<Claim> streaming_claims() {
                return passes_ms(*ours, {"shade"}) / passes_ms(*base, {"shade simple", "shade complex"});
              };
              return fmt::format(
-                 "Lighting does get cheaper, to {} of that of `simple_complex`. The one ordered geometry pass "
-                 "outweighs it: {}% of the frame. It evaluates every fragment that is nearest so far, where the others "
-                 "fetch attributes for visible triangles only, and here depth tests have no hardware to run in.",
+                 "Its lighting takes {} of the time of that of `simple_complex`, but the one ordered geometry pass is "
+                 "{}% of the frame. It evaluates every fragment that is nearest so far, where the others fetch "
+                 "attributes for visible triangles only, and here depth tests have no hardware to run in.",
                  range_text(runs, lighting, "{:.2f}"), range_text(runs, share, "{:.0f}"));
            }}};
 }
