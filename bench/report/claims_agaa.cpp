@@ -152,6 +152,7 @@ std::vector<Comparison> speed(const Measured& measured, Part part, std::optional
       const Interval gain =
           inverse(part == Part::frame ? time_ratio(*ours, *base)
                                       : passes_ratio(*ours, {"shade"}, *base, {"shade simple", "shade complex"}));
+      if (std::isnan(gain.value)) continue;
       comparisons.push_back({fmt::format("{} {}x", row.scene, samples),
                              fmt::format("{:.2f} ({})", published, row.stands_for),
                              fmt::format("{:.2f} ({:.2f} to {:.2f})", gain.value, gain.low, gain.high),

@@ -125,8 +125,8 @@ std::string lighting_share(const Measured& measured) {
     const FrameResult* ours = find(run, "linked_list");
     const FrameResult* msaa = find(run, "msaa", {{"samples", 4}});
     if (ours == nullptr || msaa == nullptr) return std::nan("");
-    const std::vector<std::string_view> passes = {"setup", "visibility", "compaction", "link", "gbuffer"};
-    return passes_ms(*ours, passes) / passes_ms(*msaa, passes);
+    return passes_ms(*ours, {"setup", "visibility", "compaction", "link", "gbuffer"}) /
+           passes_ms(*msaa, {"setup", "visibility", "compaction", "gbuffer"});
   };
   return fmt::format(
       "Lists save lighting, which is {}% of the frame of 4x MSAA here; geometry, in software, is the rest, and that of "

@@ -1,6 +1,7 @@
 #include "bench/report/measured.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "replay/techniques/technique.hpp"
 
@@ -71,8 +72,10 @@ Interval passes_ratio(const FrameResult& result, const std::vector<std::string_v
 
 double passes_ms(const FrameResult& result, const std::vector<std::string_view>& passes) {
   double sum = 0;
-  for (const replay::PassTime& pass : result.ms.passes)
-    if (std::ranges::find(passes, pass.name) != passes.end()) sum += pass.median_ms;
+  for (const std::string_view name : passes) {
+    const auto found = std::ranges::find(result.ms.passes, name, &replay::PassTime::name);
+    sum += found == result.ms.passes.end() ? std::nan("") : found->median_ms;
+  }
   return sum;
 }
 

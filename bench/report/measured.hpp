@@ -35,7 +35,7 @@ Interval time_ratio(const replay::FrameResult& result, const replay::FrameResult
 // The same for the sum of some passes, whose spread is taken for the same share of them as that of the whole frame.
 Interval passes_ratio(const replay::FrameResult& result, const std::vector<std::string_view>& passes,
                       const replay::FrameResult& base, const std::vector<std::string_view>& base_passes);
-// ms of the named passes.
+// ms of the named passes; NaN when one of them is not there, as after a technique was rearranged.
 double passes_ms(const replay::FrameResult& result, const std::vector<std::string_view>& passes);
 // The sum of a counter over the pixels; 0 when the result has none of that name.
 double counter_per_pixel(const replay::FrameResult& result, const std::string& name);
