@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <set>
 
 #include "capture_format/error.hpp"
@@ -76,9 +77,9 @@ void replay_run(const RunPlan& run, const fs::path& capture, const MeasureOption
   std::size_t done = 0;
   replay::ReplayEvents events;
   events.result = [&](const replay::FrameResult& result) {
-    options.progress(fmt::format("{} {}/{} {}: {:.0f} ms, MSE {:.2e}", label, ++done, run.techniques.size(),
-                                 setting_name(result.technique, result.parameters), result.ms.total_ms,
-                                 result.error.mse));
+    const std::string error = std::isnan(result.error.mse) ? "" : fmt::format(", MSE {:.2e}", result.error.mse);
+    options.progress(fmt::format("{} {}/{} {}: {:.0f} ms{}", label, ++done, run.techniques.size(),
+                                 setting_name(result.technique, result.parameters), result.ms.total_ms, error));
   };
   const replay::Results results = replay::run_replay(job, events);
   fs::remove_all(job.out_dir);
