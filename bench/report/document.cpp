@@ -132,11 +132,9 @@ std::string claims_markdown(const Measured& measured, const std::vector<Claim>& 
   }
   return fmt::format(
              "## What the publications claim\n\nOf {} claims {} hold wherever they were measured, {} on some scenes or "
-             "settings, {} on none{}.\n\n",
+             "settings, {} on none. Undecided or not measured: {}.\n\n",
              claims.size(), counts[Verdict::all], counts[Verdict::some], counts[Verdict::none],
-             counts[Verdict::unknown] == 0
-                 ? ""
-                 : fmt::format("; {} are undecided or not measured", counts[Verdict::unknown])) +
+             counts[Verdict::unknown]) +
          table + "\n" + details;
 }
 
