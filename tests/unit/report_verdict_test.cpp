@@ -267,5 +267,20 @@ TEST(ReportDocument, AReasonStandsOnlyWhereAClaimFails) {
   }
 }
 
+TEST(ReportDocument, SizesStandBesideEachOther) {
+  FrameResult ours = made_up("agaa");
+  ours.ms.total_ms = 50;
+  ours.error.mse = 3e-4;
+  const auto small = sweep("city", {made_up("msaa"), ours});
+  auto large = small;
+  large.plan.kind = RunKind::size;
+  large.plan.width = 200;
+  large.results.results[1].ms.total_ms = 25;
+  EXPECT_EQ(make_document({{small}}, {}, "command").markdown.find("## Sizes"), std::string::npos);
+  const std::string text = make_document({{small, large}}, {}, "command").markdown;
+  EXPECT_NE(text.find("| city | 100x10: time | MSE | over `msaa` 8x | ms | 200x10: time"), std::string::npos) << text;
+  EXPECT_NE(text.find("| `agaa c=2` | 0.50 | 3.00 | 3.00 | 50 | 0.25 | 3.00 | 3.00 | 25 |"), std::string::npos) << text;
+}
+
 }  // namespace
 }  // namespace subpixel::report
