@@ -43,9 +43,9 @@ std::string head(const Measured& measured, const std::string& command) {
       "numbers and the\n"
       "reasons, and a reason shows only where the numbers do not come out. One command makes all of it again:\n\n"
       "```\nninja -C build/release subpixel_bench_report\n{}\n```\n\n"
-      "It stores every run when it is done (`build/report/`), goes on after an interruption where it was, and "
-      "`--only-write` writes the\n"
-      "page from what is stored.\n\n"
+      "It stores every run when it is done (`build/report/`) and goes on after an interruption where it was; `--fresh` "
+      "starts over,\n"
+      "`--only-write` writes the page from what is stored, `--quick` is a small form of minutes.\n\n"
       "Driver: {}. Processor: {}. Measured {} to {}, {:.0f} minutes of replay.\n\n",
       command, joined(drivers), joined(processors), first, last, minutes);
   text +=
