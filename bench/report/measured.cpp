@@ -16,7 +16,7 @@ struct Time {
 
 Interval ratio(const Time& time, const Time& base) {
   const double half = 0.5 * time.spread_ms, base_half = 0.5 * base.spread_ms;
-  return {(time.ms - half) / (base.ms + base_half), time.ms / base.ms,
+  return {std::max(time.ms - half, 0.0) / (base.ms + base_half), time.ms / base.ms,
           (time.ms + half) / std::max(base.ms - base_half, 0.5 * base.ms)};
 }
 
