@@ -153,14 +153,17 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
     const auto sums = counted.chunk_sums->as<glm::uvec4>();
     lists.count = sums[frontend.chunk_count()].x;
     const auto begins = counted.ends->as<std::uint32_t>().first(std::size_t{setup.width} * setup.height);
+    // The device's sums are modulo 2^32; a single pixel's are right.
+    std::uint64_t total = 0;
     std::uint32_t longest = 0;
     for (std::size_t p = 0; p < begins.size(); ++p) {
-      const std::uint64_t next = p + 1 < begins.size() ? begins[p + 1] : lists.count;
-      longest = std::max(longest, static_cast<std::uint32_t>(next - begins[p]));
+      const auto next = p + 1 < begins.size() ? begins[p + 1] : static_cast<std::uint32_t>(lists.count);
+      total += next - begins[p];
+      longest = std::max(longest, next - begins[p]);
     }
-    const std::uint64_t most =
-        std::clamp(kMostFragmentsPerPixel * setup.width * setup.height, kAnyFragments, kMostFragments);
-    if (lists.count > most || longest > kLongestList) return std::nullopt;
+    const std::uint64_t pixels = std::uint64_t{setup.width} * setup.height;
+    const std::uint64_t most = std::clamp(kMostFragmentsPerPixel * pixels, kAnyFragments, kMostFragments);
+    if (total > most || longest > kLongestList) return std::nullopt;
     for (const Frontend::Batch& batch : frontend.material_batches()) {
       const std::uint64_t first = sums[batch.first_chunk].x, last = sums[batch.last_chunk].x;
       if (first < last) lists.batches.push_back({first, last, batch.material, batch.alpha_test});

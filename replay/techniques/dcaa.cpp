@@ -200,7 +200,7 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
     std::uint32_t width, height;
   } const keep_push{lists.by_address(), setup.frontend.records().address(), kept.address(), setup.width, setup.height};
   gpu::ComputePass pass;
-  pass.name = "z-prepass";
+  pass.name = setup.parameters.at("prepass").get<bool>() ? "z-prepass" : "sort";
   pass.shader = "techniques/dcaa/keep.comp";
   pass.constants = setup.frontend.constants();
   append(pass.constants, dcaa_constants(setup));
