@@ -148,6 +148,9 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
     gpu::PassRecorder sizing(setup.frontend.device());
     frontend.record_setup(sizing);
     const Counted counted = make_counted(sizing, setup);
+    // Sums over pixels and records are taken through bound ranges.
+    if (std::max(counted.ends->bytes(), counted.bases->bytes()) > frontend.device().info().max_storage_buffer_range)
+      return std::nullopt;
     record_counting(sizing, setup, counted, lists_of(counted), name, masks);
     sizing.run();
     const auto sums = counted.chunk_sums->as<glm::uvec4>();

@@ -52,7 +52,8 @@ Parameter order_parameter();
 std::uint32_t device_runs();
 
 // Collects the current frame's fragments, passes `name`, if that parameter asks for lists and the frame is within the
-// limits above: a run on the spot counts them. Set-up is recorded already. The counter "listed_fragments" says so.
+// limits above and the device's: a run on the spot counts them. Set-up is recorded already. The counter
+// "listed_fragments" says so.
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name, ListedMasks masks);
 
