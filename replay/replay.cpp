@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
 #include <map>
 
@@ -15,6 +14,7 @@
 #include "replay/gpu/litmus.hpp"
 #include "replay/measure/atomic_file.hpp"
 #include "replay/measure/flip.hpp"
+#include "replay/measure/host_clock.hpp"
 #include "replay/measure/maps.hpp"
 #include "replay/measure/metrics.hpp"
 #include "replay/reference/reference.hpp"
@@ -23,8 +23,6 @@
 
 namespace subpixel::replay {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -130,11 +128,16 @@ class Replay {
   void progress(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) const {
     if (events_.progress) events_.progress(stage, done, total, detail);
   }
+  // The part of the time outside of passes that runs from here on; returns the one that ends here.
+  std::string now(std::string part) { return clock_.enter(std::move(part), device_.total_ms()); }
   std::string write_png(const std::string& name, const Image& image) {
+    const std::string before = now("write");
     write_file_atomically(job_.out_dir / name, encode_png(image));
+    now(before);
     return name;
   }
 
+  HostClock clock_{"load"};  // the first member: reading the capture and finding the device count
   const ReplayJob& job_;
   const ReplayOptions& options_;
   const ReplayEvents& events_;
@@ -180,7 +183,6 @@ bool Replay::skipped(std::uint32_t frame, std::size_t which) const {
 }
 
 Results Replay::run() {
-  const auto start = Clock::now();
   const auto [first, last] = frame_range(options_, capture_.frames.size());
   make_head();
   // Before the work that would be lost.
@@ -204,6 +206,7 @@ Results Replay::run() {
     for (std::size_t which = 0; which < planned_.size(); ++which)
       if (!skipped(frame, which)) wanted.push_back(which);
     if (wanted.empty()) continue;
+    now("scene");
     scene_->set_frame(frame, width_, height_);
     references_.clear();
     for (const std::size_t which : wanted) {
@@ -211,14 +214,17 @@ Results Replay::run() {
       const auto done = static_cast<std::uint32_t>((frame - first) * planned_.size() + which);
       progress("replay", done, total, fmt::format("frame {} {}", frame, planned_[which].technique->name));
       FrameResult result = run_technique(frame, which);
+      now("report");
       if (events_.result) events_.result(result);
       results.results.push_back(std::move(result));
     }
     references_before_ = std::move(references_);
     frame_before_ = frame;
   }
-  head_.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  now("");
+  head_.wall_s = clock_.wall_s();
   head_.outside_gpu_s = head_.wall_s - device_.total_ms() * 1e-3;
+  head_.outside_parts_s = clock_.seconds();
   if (events_.head) events_.head(head_);
   results.head = head_;
   return results;
@@ -236,8 +242,10 @@ const Reference* Replay::reference_for(std::uint32_t frame, const PlannedTechniq
   const auto report = [&](std::uint32_t done, std::uint32_t total) {
     progress("reference", done, total, fmt::format("frame {}", frame));
   };
+  const std::string before = now("reference");
   CachedReference cached =
       cached_reference(device_, *scene_, head_.capture_hash, frame, wanted, ReferenceCache(job_.cache_dir), report);
+  now(before);
   if (!cached.store_error.empty()) progress("reference", 1, 1, "not cached: " + cached.store_error);
   Reference reference{std::move(cached.image), fmt::format("frame{:04}_reference{}.png", frame, references_.size())};
   write_png(reference.file, reference.image.display);
@@ -246,6 +254,7 @@ const Reference* Replay::reference_for(std::uint32_t frame, const PlannedTechniq
 
 FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   const PlannedTechnique& planned = planned_[which];
+  now("prepare");
   // Buffers and counts stay as they are between techniques of one frame and sample count.
   if (prepared_ != std::pair{frame, planned.samples}) frontend_->prepare(planned.samples);
   prepared_ = {frame, planned.samples};
@@ -262,6 +271,7 @@ FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   result.width = width_;
   result.height = height_;
 
+  now("submit");
   recorder.run();
   for (const auto& timing : recorder.timings()) result.ms.cold_ms += timing.ms.back();
   recorder.clear_timings();
@@ -293,6 +303,7 @@ FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
 }
 
 void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which) {
+  now("measure");
   const std::string stem = fmt::format("frame{:04}_{:02}_{}", result.frame, which, result.technique);
   const Downloaded radiance = download_colour(device_, *setup.outputs.radiance, Encoding::linear);
   Image display = download_colour(device_, *setup.outputs.display, Encoding::display).colour;
@@ -311,7 +322,9 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which) 
   result.counters["invalid_pixels"] = invalid_pixels(radiance.colour) + invalid_pixels(display);
 
   result.images["image"] = write_png(stem + ".png", display);
+  now("write");
   write_file_atomically(job_.out_dir / (stem + ".exr"), encode_exr(radiance.colour));
+  now("measure");
   result.images["hdr"] = stem + ".exr";
   result.images["shading"] =
       write_png(stem + "_shading.png",

@@ -152,6 +152,11 @@ ResultsHead head_from_field(const JsonField& field) {
   head.triangles_first_frame = field.member("triangles_first_frame").u64();
   head.wall_s = field.member("wall_s").number();
   head.outside_gpu_s = field.member("outside_gpu_s").number();
+  if (field.has("outside_parts_s")) {
+    const JsonField parts = field.member("outside_parts_s");
+    for (const auto& item : parts.object().items())
+      head.outside_parts_s[item.key()] = parts.member(item.key()).number();
+  }
   const JsonField features = field.member("features");
   for (std::size_t i = 0; i < features.array_size(); ++i) head.features.push_back(features.element(i).text());
   return head;
@@ -206,6 +211,7 @@ json to_json(const ResultsHead& head) {
           {"triangles_first_frame", head.triangles_first_frame},
           {"wall_s", head.wall_s},
           {"outside_gpu_s", head.outside_gpu_s},
+          {"outside_parts_s", json(head.outside_parts_s)},
           {"features", head.features}};
 }
 

@@ -65,8 +65,9 @@ struct ResultsHead {
   std::string build, date_utc;
   std::uint32_t width = 0, height = 0, repeat = 0, reference_samples = 0, point_lights = 0;
   std::uint64_t triangles_first_frame = 0;
-  double wall_s = 0, outside_gpu_s = 0;  // whole run, and the part of it not spent in device passes
-  std::vector<std::string> features;     // what the scene needs, by name
+  double wall_s = 0, outside_gpu_s = 0;           // whole run, and the part of it not spent in device passes
+  std::map<std::string, double> outside_parts_s;  // what that part was spent on
+  std::vector<std::string> features;              // what the scene needs, by name
 };
 
 struct Results {

@@ -92,6 +92,9 @@ std::string head_block(const Results& results, const ParameterValues& common, co
                                      : fmt::format("reference  {} samples per pixel\n", head.reference_samples);
   out += fmt::format("times      warm median of {} repeats, mean over the frames; ratios to {} and {}\n", head.repeat,
                      baseline_name(msaa), baseline_name(noaa));
+  if (head.wall_s > 0)
+    out += fmt::format("run        {:.0f} s, of which {:.1f} % outside of device passes\n", head.wall_s,
+                       100 * head.outside_gpu_s / head.wall_s);
   if (!common.empty()) out += fmt::format("all with   {}\n", parameters_text(common));
   return out;
 }

@@ -41,6 +41,9 @@ Results example_results() {
   results.head.features = {"textures", "alpha_test"};
   results.head.repeat = 3;
   results.head.reference_samples = 64;
+  results.head.wall_s = 200;
+  results.head.outside_gpu_s = 25;
+  results.head.outside_parts_s = {{"load", 5}, {"measure", 20}};
   for (std::uint32_t frame = 0; frame < 2; ++frame) {
     results.results.push_back(example("noaa", 1, frame, 50 + frame));
     results.results.push_back(example("msaa", 8, frame, 400 + frame));
@@ -135,16 +138,17 @@ TEST(Results, TableAveragesFramesAndStatesRatios) {
   std::string line;
   std::vector<std::string> rows;
   while (std::getline(lines, line)) rows.push_back(line);
-  ASSERT_EQ(rows.size(), 7U + 1U + 3U) << table;
+  ASSERT_EQ(rows.size(), 8U + 1U + 3U) << table;
   EXPECT_NE(rows[0].find("park, \"small\" (0123456789abcdef)"), std::string::npos);
   EXPECT_NE(rows[4].find("64 samples"), std::string::npos);
   EXPECT_NE(rows[5].find("ratios to msaa 8x and noaa 1x"), std::string::npos);
-  EXPECT_EQ(rows[6], "all with   weight=equal");
-  EXPECT_EQ(rows[8].find("parameters"), std::string::npos);
-  EXPECT_NE(rows[9].find("0.13"), std::string::npos);       // 50.5 / 400.5
-  EXPECT_NE(rows[10].find("7.93"), std::string::npos);      // 400.5 / 50.5
-  EXPECT_NE(rows[10].find("2.00e-03"), std::string::npos);  // mean of 1e-3 and 3e-3
-  EXPECT_NE(rows[10].find("26.99"), std::string::npos);     // its PSNR
+  EXPECT_EQ(rows[6], "run        200 s, of which 12.5 % outside of device passes");
+  EXPECT_EQ(rows[7], "all with   weight=equal");
+  EXPECT_EQ(rows[9].find("parameters"), std::string::npos);
+  EXPECT_NE(rows[10].find("0.13"), std::string::npos);      // 50.5 / 400.5
+  EXPECT_NE(rows[11].find("7.93"), std::string::npos);      // 400.5 / 50.5
+  EXPECT_NE(rows[11].find("2.00e-03"), std::string::npos);  // mean of 1e-3 and 3e-3
+  EXPECT_NE(rows[11].find("26.99"), std::string::npos);     // its PSNR
   EXPECT_TRUE(std::ranges::none_of(rows, [](const std::string& row) { return row.ends_with(' '); }));
 }
 
@@ -161,6 +165,7 @@ TEST(Results, TableNamesTheParametersThatDiffer) {
 TEST(Results, TableOfNothingStillHasItsHead) {
   const std::string table = to_table(Results{});
   EXPECT_NE(table.find("reference  none"), std::string::npos);
+  EXPECT_EQ(table.find("run  "), std::string::npos);
   EXPECT_NE(table.find("none in this run"), std::string::npos);
 }
 

@@ -1,0 +1,48 @@
+// What `subpixel replay` measures besides the technique itself.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/technique/run_binary.hpp"
+
+namespace subpixel::tests {
+namespace {
+
+using nlohmann::json;
+
+class ReplayMeasures : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("subpixel-measures-" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  json replay(const std::string& generated, const std::string& options) {
+    const Finished made = run_binary("generate " + generated, folder_);
+    EXPECT_EQ(made.code, 0) << made.error;
+    const Finished run = run_binary("replay scene.spcap --repeat 1 --out out " + options, folder_);
+    EXPECT_EQ(run.code, 0) << run.error;
+    std::ifstream file(folder_ / "out" / "results.json");
+    return json::parse(file);
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(ReplayMeasures, TimeOutsideOfPassesIsTheSumOfItsParts) {
+  const json head =
+      replay("cube scene.spcap --frames 2 --size 64x36", "--techniques noaa,msaa --reference-samples 8").at("head");
+  double sum = 0;
+  for (const char* part : {"load", "scene", "prepare", "submit", "measure", "reference", "write", "report"}) {
+    EXPECT_GT(head.at("outside_parts_s").at(part), 0) << part;
+    sum += head.at("outside_parts_s").at(part).get<double>();
+  }
+  EXPECT_EQ(head.at("outside_parts_s").size(), 8u);
+  EXPECT_NEAR(sum, head.at("outside_gpu_s"), 1e-6);
+  EXPECT_LT(sum, head.at("wall_s"));
+}
+
+}  // namespace
+}  // namespace subpixel::tests
