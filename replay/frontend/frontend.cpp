@@ -288,13 +288,7 @@ void Frontend::record_visible(gpu::PassRecorder& recorder, gpu::Image& visibilit
   mark.pipeline.vertex = "shade/fullscreen.vert";
   mark.pipeline.fragment = "frontend/mark_visible.frag";
   mark.pipeline.constants = constants();
-  mark.pipeline.targets.colours = {VK_FORMAT_R8_UNORM};
-  // Nothing is drawn to it; a pass needs a target.
-  gpu::Image& target = recorder.image({"marking", VK_FORMAT_R8_UNORM, size.width, size.height, 1, 1,
-                                       VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, false});
-  mark.pipeline.targets.clear = true;
-  mark.colours = {{target}};
-  mark.clear_colours = {{}};
+  mark.size = {size.width, size.height};
   mark.bindings = {gpu::samples(0, visibility), gpu::writes(0, visible_)};
   recorder.raster(std::move(mark));
 

@@ -25,28 +25,34 @@ LitmusResult run_order_litmus(Device& device, OrderedMemory memory) {
   PassRecorder recorder(device);
   constexpr VkFormat kWords = VK_FORMAT_R32G32B32A32_UINT;
   const bool attachment = memory == OrderedMemory::attachment;
-  Image& image = recorder.image({"order litmus", kWords, kSide, kSide, 1, 1, VK_SAMPLE_COUNT_1_BIT,
-                                 VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT, false});
-  Buffer& buffer = recorder.buffer("order litmus", std::uint64_t{kSide} * kSide * 16);
   RasterPass pass;
   pass.name = "order litmus";
   pass.pipeline.vertex = "frontend/litmus.vert";
   pass.pipeline.fragment = attachment ? "frontend/litmus.frag:ATTACHMENT" : "frontend/litmus.frag:BUFFER";
   pass.pipeline.constants = {{0, kSide}};
-  pass.pipeline.targets = {{kWords}, VK_FORMAT_UNDEFINED, VK_SAMPLE_COUNT_1_BIT, attachment, true};
-  pass.colours = {{image}};
-  pass.clear_colours = {{}};
-  if (!attachment) pass.bindings = {writes(0, buffer)};
+  Image* image = nullptr;
+  Buffer* buffer = nullptr;
+  if (attachment) {
+    image = &recorder.image({"order litmus", kWords, kSide, kSide, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+                             VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT, false});
+    pass.pipeline.targets = {{kWords}, VK_FORMAT_UNDEFINED, VK_SAMPLE_COUNT_1_BIT, true, true};
+    pass.colours = {{*image}};
+    pass.clear_colours = {{}};
+  } else {
+    buffer = &recorder.buffer("order litmus", std::uint64_t{kSide} * kSide * 16);
+    pass.size = {kSide, kSide};
+    pass.bindings = {writes(0, *buffer)};
+  }
   pass.draws = [](DrawEncoder& encoder) { encoder.draw(3 * kTriangles); };
   recorder.raster(std::move(pass));
   recorder.run();
 
   std::vector<std::uint32_t> states(std::size_t{kSide} * kSide * 4);
   if (attachment) {
-    const auto bytes = download(device, image);
+    const auto bytes = download(device, *image);
     std::memcpy(states.data(), bytes.data(), bytes.size());
   } else {
-    std::ranges::copy(buffer.as<std::uint32_t>(), states.begin());
+    std::ranges::copy(buffer->as<std::uint32_t>(), states.begin());
   }
   LitmusResult result;
   for (std::size_t i = 0; i < states.size(); i += 4) {

@@ -200,8 +200,11 @@ void record_generation(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu
   pass.size = {setup.width, setup.height};
   pass.pipeline.constants = common_constants(setup);
   append(pass.pipeline.constants, agaa_constants(setup));
-  pass.bindings = {gpu::samples(0, visibility), gpu::reads(0, *state.description)};
-  if (membership) pass.bindings.push_back(gpu::samples(1, *membership));
+  // With one aggregate the shader reads no membership, but declares it: the slot may not be empty.
+  if (!membership)
+    membership =
+        &recorder.image({"no membership", VK_FORMAT_R32_UINT, 1, 1, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
+  pass.bindings = {gpu::samples(0, visibility), gpu::samples(1, *membership), gpu::reads(0, *state.description)};
   pass.by_address = {state.sums};
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }

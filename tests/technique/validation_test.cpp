@@ -1,0 +1,151 @@
+// Every technique and the reference under the Khronos validation layer, its checks of synchronization included.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "capture_format/generate/generate.hpp"
+#include "replay/gpu/litmus.hpp"
+#include "replay/reference/reference.hpp"
+#include "replay/techniques/frame_setup.hpp"
+
+namespace subpixel::replay {
+namespace {
+
+constexpr std::uint32_t kWidth = 64, kHeight = 36;
+
+bool layer_is_installed() {
+  std::uint32_t count = 0;
+  vkEnumerateInstanceLayerProperties(&count, nullptr);
+  std::vector<VkLayerProperties> layers(count);
+  vkEnumerateInstanceLayerProperties(&count, layers.data());
+  return std::ranges::any_of(layers, [](const VkLayerProperties& layer) {
+    return std::string_view(layer.layerName) == "VK_LAYER_KHRONOS_validation";
+  });
+}
+
+// The values of a parameter that take other shaders, formats or passes than the default; at most three.
+std::vector<nlohmann::json> values_of(const Parameter& parameter) {
+  std::vector<nlohmann::json> values{parameter.default_value};
+  switch (parameter.kind) {
+    case ParameterKind::choice:
+      values.assign(parameter.choices.begin(), parameter.choices.end());
+      break;
+    case ParameterKind::boolean:
+      values = {true, false};
+      break;
+    case ParameterKind::integer:
+      if (parameter.allowed.empty())
+        values.emplace_back(parameter.minimum);
+      else
+        values.assign(parameter.allowed.begin(), parameter.allowed.end());
+      break;
+    case ParameterKind::number:
+      break;
+  }
+  constexpr std::size_t kMost = 3;
+  if (values.size() > kMost) values.erase(values.begin() + 2, values.end() - 1);
+  return values;
+}
+
+// Runs that together take each of those values: run k takes the k-th of every parameter.
+std::vector<ParameterValues> runs_of(const Technique& technique) {
+  std::size_t count = 1;
+  for (const Parameter& parameter : technique.parameters) count = std::max(count, values_of(parameter).size());
+  std::vector<ParameterValues> runs(count);
+  for (std::size_t k = 0; k < count; ++k)
+    for (const Parameter& parameter : technique.parameters) {
+      const auto values = values_of(parameter);
+      runs[k][std::string(parameter.name)] = values[k % values.size()];
+    }
+  return runs;
+}
+
+void run(gpu::Device& device, GpuScene& scene, const Technique& technique, const ParameterValues& given) {
+  const ParameterValues parameters = check_parameters(technique.name, technique.parameters, given);
+  const auto samples = parameters.at("samples").get<std::uint32_t>();
+  Frontend frontend(device, scene);
+  frontend.prepare(samples);
+  FrameOutputs outputs;
+  const FrameSetup setup{scene, frontend, kWidth, kHeight, samples, parameters, outputs};
+  gpu::PassRecorder recorder(device);
+  technique.record(recorder, setup);
+  recorder.run();
+  recorder.run();  // warm: what the first run left is used again
+  gpu::download(device, *outputs.display);
+  for (const auto& map : outputs.maps) gpu::download(device, *map.second);
+}
+
+class Validation : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!layer_is_installed()) GTEST_SKIP() << "no VK_LAYER_KHRONOS_validation (Debian: vulkan-validationlayers)";
+  }
+
+  // What the layer says while a device runs `work`, from its making to its end.
+  template <typename Work>
+  std::vector<std::string> messages(Work work) {
+    std::vector<std::string> said;
+    gpu::DeviceOptions options;
+    options.validation_messages = &said;
+    {
+      gpu::Device device(options);
+      work(device, said);
+    }
+    return said;
+  }
+};
+
+TEST_F(Validation, EveryTechniqueAndTheReference) {
+  // Alpha test, emission and the sun; the second scene has the shaders for everything else as well.
+  const capture::Capture capture = capture::generate("quads", {2, kWidth, kHeight, 1, 1});
+  const auto said = messages([&](gpu::Device& device, std::vector<std::string>& so_far) {
+    const auto expect_silence = [&](std::string_view what) {
+      for (const auto& message : so_far) ADD_FAILURE() << what << ": " << message;
+      so_far.clear();
+    };
+    gpu::require_ordered_access(device);
+    expect_silence("litmus");
+    GpuScene plain(device, capture, {std::nullopt, 256, 0}), rich(device, capture, {4, 256, kAllFeatures});
+    std::uint32_t frame = 0;
+    for (GpuScene* scene : {&plain, &rich}) scene->set_frame(frame, kWidth, kHeight);
+    expect_silence("scene");
+    for (const Technique* technique : techniques()) {
+      std::size_t k = 0;
+      for (const ParameterValues& given : runs_of(*technique)) {
+        GpuScene& scene = k++ % 2 == 0 ? rich : plain;
+        scene.set_frame(frame++ % 2, kWidth, kHeight);
+        run(device, scene, *technique, given);
+        expect_silence(std::string(technique->name) + " " + nlohmann::json(given).dump());
+      }
+    }
+    for (GpuScene* scene : {&plain, &rich})
+      for (const bool tone_map : {false, true}) {
+        ReferenceOptions options;
+        options.samples = 8;
+        options.shading_model = tone_map ? 1 : 0;
+        options.tone_map_samples = tone_map;
+        render_reference(device, *scene, options);
+        expect_silence("reference");
+      }
+  });
+  for (const auto& message : said) ADD_FAILURE() << "at the end: " << message;
+}
+
+// The layer is on and heard: two fills of one buffer without a barrier between them.
+TEST_F(Validation, MistakesAreHeard) {
+  const auto said = messages([](gpu::Device& device, std::vector<std::string>&) {
+    gpu::Buffer buffer(device, "written twice", 256);
+    device.run([&](VkCommandBuffer commands) {
+      vkCmdFillBuffer(commands, buffer.handle(), 0, VK_WHOLE_SIZE, 1);
+      vkCmdFillBuffer(commands, buffer.handle(), 0, VK_WHOLE_SIZE, 2);
+    });
+  });
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_TRUE(said[0].starts_with("error: ")) << said[0];
+  EXPECT_NE(said[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << said[0];
+}
+
+}  // namespace
+}  // namespace subpixel::replay
