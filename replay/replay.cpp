@@ -7,6 +7,7 @@
 #include <array>
 #include <cstring>
 #include <map>
+#include <tuple>
 
 #include "capture_format/error.hpp"
 #include "capture_format/hash.hpp"
@@ -123,6 +124,7 @@ class Replay {
   // The current frame's reference for a technique's shading model and resolve; null without references.
   const Reference* reference_for(std::uint32_t frame, const PlannedTechnique& planned);
   FrameResult run_technique(std::uint32_t frame, std::size_t which);
+  void count_fragments(FrameResult& result, const gpu::PassRecorder& recorder);
   void measure(FrameResult& result, FrameSetup& setup, std::size_t which);
   bool skipped(std::uint32_t frame, std::size_t which) const;
   void progress(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) const {
@@ -148,6 +150,9 @@ class Replay {
   std::unique_ptr<Frontend> frontend_;
   std::uint32_t width_ = 0, height_ = 0;
   ResultsHead head_;
+  // Fragments of this frame's geometry, by samples, whether of visible triangles alone, and then the alpha decision.
+  using FragmentKind = std::tuple<std::uint32_t, bool, std::string>;
+  std::map<FragmentKind, std::uint64_t> fragments_;
   std::map<ReferenceKind, Reference> references_, references_before_;  // of this frame and the one before
   std::vector<Image> before_;                                          // each technique's image of the frame before
   std::optional<std::uint32_t> frame_before_;
@@ -209,6 +214,7 @@ Results Replay::run() {
     now("scene");
     scene_->set_frame(frame, width_, height_);
     references_.clear();
+    fragments_.clear();
     for (const std::size_t which : wanted) {
       const auto total = static_cast<std::uint32_t>((last - first + 1) * planned_.size());
       const auto done = static_cast<std::uint32_t>((frame - first) * planned_.size() + which);
@@ -293,6 +299,7 @@ FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   result.memory.fitted_bytes = static_cast<std::uint64_t>(result.memory.fitted_bytes_per_pixel * pixels);
   result.memory.allocated_bytes = recorder.allocated_bytes();
 
+  count_fragments(result, recorder);
   result.counters = outputs.counters;
   result.counters["triangles"] = scene_->triangle_count();
   result.counters["screen_triangles"] = frontend_->hull_count();
@@ -300,6 +307,22 @@ FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   result.counters["frontend_bytes"] = frontend_->allocated_bytes();
   measure(result, setup, which);
   return result;
+}
+
+void Replay::count_fragments(FrameResult& result, const gpu::PassRecorder& recorder) {
+  const auto counted = [&](bool visible) {
+    // Which triangles are visible depends on how alpha decides.
+    const FragmentKind kind{result.samples, visible, visible ? result.parameters.at("alpha").get<std::string>() : ""};
+    const auto [found, fresh] = fragments_.try_emplace(kind, 0);
+    if (fresh) found->second = frontend_->count_fragments(visible, width_, height_);
+    return found->second;
+  };
+  for (const auto& timing : recorder.timings()) {
+    std::uint64_t fragments = timing.screen_pixels;
+    if (timing.times_all > 0) fragments += timing.times_all * counted(false);
+    if (timing.times_visible > 0) fragments += timing.times_visible * counted(true);
+    if (fragments > 0) result.shading.fragments[timing.name] = fragments;
+  }
 }
 
 void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which) {

@@ -105,6 +105,11 @@ Shading shading_from_json(const JsonField& field) {
   shading.per_pixel_mean = field.member("per_pixel_mean").number();
   const JsonField histogram = field.member("histogram");
   for (std::size_t k = 0; k < histogram.array_size(); ++k) shading.histogram.push_back(histogram.element(k).u64());
+  if (field.has("fragments")) {
+    const JsonField fragments = field.member("fragments");
+    for (const auto& item : fragments.object().items())
+      shading.fragments[item.key()] = fragments.member(item.key()).u64();
+  }
   return shading;
 }
 
@@ -188,7 +193,8 @@ json to_json(const FrameResult& result) {
           {"shading",
            {{"executions", result.shading.executions},
             {"per_pixel_mean", result.shading.per_pixel_mean},
-            {"histogram", result.shading.histogram}}},
+            {"histogram", result.shading.histogram},
+            {"fragments", json(result.shading.fragments)}}},
           {"error", error_to_json(result.error)},
           {"counters", json(result.counters)},
           {"images", json(result.images)}};

@@ -37,6 +37,9 @@ struct Shading {
   std::uint64_t executions = 0;  // lighting executions in the frame
   double per_pixel_mean = 0;
   std::vector<std::uint64_t> histogram;  // [k]: pixels with k executions
+  // Fragments each raster pass shades, by its name: of geometry, pixels of which a triangle covers a sample, summed
+  // over its triangles and the times they are drawn, before depth and alpha; of a full-screen pass, its pixels.
+  std::map<std::string, std::uint64_t> fragments;
 };
 
 // Display error is on the sRGB image in [0,1]; a metric that was not measured is NaN in memory and null in JSON.

@@ -15,7 +15,11 @@ export function summarise(results) {
   const of = (pick) => mean(results.map(pick).filter((value) => value !== null && value !== undefined));
   const mse = of((r) => r.error.mse);
   const passes = new Map();
+  const fragments = new Map();
   for (const result of results) {
+    for (const [name, shaded] of Object.entries(result.shading.fragments ?? {})) {
+      fragments.set(name, (fragments.get(name) ?? 0) + shaded / results.length);
+    }
     for (const name of result.ms.pass_order ?? Object.keys(result.ms.passes)) {
       passes.set(name, (passes.get(name) ?? 0) + result.ms.passes[name] / results.length);
     }
@@ -29,7 +33,7 @@ export function summarise(results) {
     // The PSNR of the mean error, which is not the mean of the PSNRs.
     mse, psnr: mse === 0 ? Infinity : -10 * Math.log10(mse),
     flip: of((r) => r.error.flip_mean),
-    passes,
+    passes, fragments,
   };
 }
 
@@ -84,7 +88,7 @@ function cells(s, baseline, bestMse) {
   ];
 }
 
-/** The passes of each technique as bars of one scale, with their times as text. */
+/** The passes of each technique as bars of one scale, with their times and fragments as text. */
 export function passBars(rows) {
   const measured = rows.filter((row) => row.summary);
   const longest = Math.max(...measured.map((row) => row.summary.total), 1e-9);
@@ -95,7 +99,8 @@ export function passBars(rows) {
       const part = h('span', {class: `pass-${i % 8}`, title: `${name}: ${fixed(ms, 2)} ms`});
       part.style.width = `${(100 * ms) / longest}%`;
       bar.append(part);
-      list.append(h('span', {}, h('i', {class: `key pass-${i % 8}`}), name, ' ', h('b', {}, fixed(ms, 2))));
+      list.append(h('span', {}, h('i', {class: `key pass-${i % 8}`}), name, ' ', h('b', {}, fixed(ms, 2)),
+        summary.fragments.has(name) && h('span.quiet', {title: 'fragments shaded in a frame'}, ` ${shortCount(summary.fragments.get(name))} fragments`)));
     });
     return h('li', {}, h('div.pass-title', {}, label, ' ', h('span.quiet', {}, `${fixed(summary.total, 1)} ms`)), bar, list);
   }));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "capture_format/error.hpp"
@@ -341,6 +342,33 @@ HullPush Frontend::hull_push() const {
   return push;
 }
 
+std::uint64_t Frontend::count_fragments(bool visible, std::uint32_t width, std::uint32_t height) {
+  gpu::PassRecorder recorder(device_);
+  // Additive blending needs floats, which count exactly to 2^24 a pixel.
+  constexpr VkFormat kCount = VK_FORMAT_R32_SFLOAT;
+  gpu::Image& counts = recorder.image({"fragments", kCount, width, height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false});
+  GeometryPass geometry;
+  geometry.by_material = visible;
+  geometry.fragment_opaque = geometry.fragment_alpha = "frontend/count_fragments.frag";
+  geometry.pass.name = "fragments";
+  geometry.pass.pipeline.additive = true;
+  geometry.pass.pipeline.targets.colours = {kCount};
+  geometry.pass.pipeline.targets.clear = true;
+  geometry.pass.colours = {{counts}};
+  geometry.pass.clear_colours = {{}};
+  record_geometry(recorder, std::move(geometry));
+  recorder.run();
+  const auto bytes = gpu::download(device_, counts);
+  std::uint64_t total = 0;
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(float)) {
+    float here = 0;
+    std::memcpy(&here, bytes.data() + at, sizeof(here));
+    total += static_cast<std::uint64_t>(here);
+  }
+  return total;
+}
+
 void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry) {
   gpu::RasterPass& pass = geometry.pass;
   const HullPush push = hull_push();
@@ -356,6 +384,7 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   pass.bindings.push_back(gpu::uniform(scene_.frame_constants));
   pass.bindings.push_back(gpu::reads(10, scene_.materials));
   const bool visible_only = geometry.by_material && visible_known_;
+  pass.triangles = visible_only ? gpu::Triangles::visible : gpu::Triangles::all;
   gpu::Buffer& commands = geometry.without_small  ? rest_commands_
                           : !geometry.by_material ? visibility_commands_
                           : visible_only          ? visible_commands_

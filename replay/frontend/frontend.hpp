@@ -40,6 +40,11 @@ class Frontend {
   };
   void record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry);
 
+  // Fragments of a geometry pass, of all triangles or of those that own a sample, counted by drawing it once more after
+  // the recorded passes have run: pixels, summed over triangles, of which the triangle covers a sample, before depth
+  // and alpha.
+  std::uint64_t count_fragments(bool visible, std::uint32_t width, std::uint32_t height);
+
   // Triangles so small that a pass does better to rasterise them in compute (COUNT_SMALL_ bits): how many, known from
   // prepare(); where their records are listed, in submission order, once the passes named `name` have run. Alpha-tested
   // ones on demand.

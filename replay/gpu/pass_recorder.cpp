@@ -76,7 +76,7 @@ std::uint64_t PassRecorder::allocated_bytes() const {
 std::size_t PassRecorder::timing(const std::string& name) {
   for (std::size_t i = 0; i < timings_.size(); ++i)
     if (timings_[i].name == name) return i;
-  timings_.push_back({name, {}});
+  timings_.push_back({name, {}, 0, 0, 0});
   return timings_.size() - 1;
 }
 
@@ -296,6 +296,9 @@ void PassRecorder::raster(RasterPass pass) {
   const VkRenderPass render_pass = device_.pipelines().render_pass(pass.pipeline.targets);
   const VkFramebuffer target = framebuffer(pass, render_pass);
   const VkExtent2D extent = extent_of(pass);
+  timings_[step.timing].times_all += pass.triangles == Triangles::all ? 1 : 0;
+  timings_[step.timing].times_visible += pass.triangles == Triangles::visible ? 1 : 0;
+  if (!pass.draws) timings_[step.timing].screen_pixels += std::uint64_t{extent.width} * extent.height;
   step.record = [this, pipeline, render_pass, target, extent, ordered,
                  pass = std::move(pass)](VkCommandBuffer commands) {
     std::vector<VkClearValue> clears;

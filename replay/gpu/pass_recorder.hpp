@@ -79,6 +79,10 @@ struct Attachment {
   Attachment(Image& target, std::uint32_t target_layer = 0) : image(&target), layer(target_layer) {}
 };
 
+// The frame's triangles that a raster pass draws, which decide how many fragments it shades: those of the front-end
+// that are on the screen or those that own a sample. Small ones left to a compute pass of the same name count as drawn.
+enum class Triangles { none, all, visible };
+
 struct RasterPass {
   std::string name;
   RasterDescription pipeline;  // bound before `draws` is called; its targets name the formats of the attachments below
@@ -91,12 +95,15 @@ struct RasterPass {
   std::vector<Buffer*> indices_and_indirect;  // buffers the draws read as indices or indirect commands
   std::vector<Buffer*> by_address;
   PushConstants push;
+  Triangles triangles = Triangles::none;
   std::function<void(DrawEncoder&)> draws;  // empty: one full-screen triangle
 };
 
 struct PassTiming {
   std::string name;
-  std::vector<double> ms;  // one for each run since clear_timings
+  std::vector<double> ms;                          // one for each run since clear_timings
+  std::uint64_t screen_pixels = 0;                 // of the full-screen triangles of one run
+  std::uint32_t times_all = 0, times_visible = 0;  // that one run draws those triangles
 };
 
 class PassRecorder {

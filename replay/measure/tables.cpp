@@ -107,6 +107,11 @@ std::string to_csv(const Results& results) {
     for (const PassTime& pass : result.ms.passes) names.push_back(pass.name);
     return names;
   });
+  const std::vector<std::string> shaded = union_of_names(results, [](const FrameResult& result) {
+    std::vector<std::string> names;
+    for (const auto& pass : result.shading.fragments) names.push_back(pass.first);
+    return names;
+  });
   const std::vector<std::string> counters = union_of_names(results, [](const FrameResult& result) {
     std::vector<std::string> names;
     for (const auto& counter : result.counters) names.push_back(counter.first);
@@ -137,6 +142,7 @@ std::string to_csv(const Results& results) {
                                      "hdr_rel_mse",
                                      "flicker"};
   for (const std::string& pass : passes) header.push_back("pass_" + pass + "_ms");
+  for (const std::string& pass : shaded) header.push_back("pass_" + pass + "_fragments");
   for (const std::string& counter : counters) header.push_back("counter_" + counter);
   std::string out = csv_line(header);
   for (const FrameResult& result : results.results) {
@@ -170,6 +176,10 @@ std::string to_csv(const Results& results) {
         found = true;
       }
       fields.push_back(found ? csv_number(sum) : "");
+    }
+    for (const std::string& name : shaded) {
+      const auto found = result.shading.fragments.find(name);
+      fields.push_back(found == result.shading.fragments.end() ? "" : std::to_string(found->second));
     }
     for (const std::string& name : counters) {
       const auto found = result.counters.find(name);

@@ -44,5 +44,26 @@ TEST_F(ReplayMeasures, TimeOutsideOfPassesIsTheSumOfItsParts) {
   EXPECT_LT(sum, head.at("wall_s"));
 }
 
+// One triangle over the whole frame: every pass shades each pixel once, or once for each time it draws the geometry.
+TEST_F(ReplayMeasures, FragmentsOfEveryRasterPass) {
+  const json results = replay("hard_fullscreen scene.spcap --frames 1 --size 64x36",
+                              "--techniques noaa,msaa:samples=32,streaming,forward,linked_list --reference-samples 0")
+                           .at("results");
+  constexpr std::uint64_t kPixels = std::uint64_t{64} * 36;
+  for (const json& result : results) {
+    const json& fragments = result.at("shading").at("fragments");
+    // Samples go in groups of 16 through visibility, of 8 through the G-buffer of msaa and its shading.
+    const bool groups = result.at("samples") == 32;
+    for (const auto& pass : fragments.items()) {
+      const bool by_eight = pass.key() == "gbuffer" || pass.key() == "shade";
+      const std::uint64_t draws = !groups ? 1 : by_eight ? 4 : pass.key() == "visibility" ? 2 : 1;
+      EXPECT_EQ(pass.value(), draws * kPixels) << result.at("technique") << " " << pass.key();
+      EXPECT_TRUE(result.at("ms").at("passes").contains(pass.key())) << pass.key();
+    }
+    EXPECT_FALSE(fragments.contains("setup"));
+    EXPECT_GE(fragments.size(), 2u) << result.at("technique");
+  }
+}
+
 }  // namespace
 }  // namespace subpixel::tests

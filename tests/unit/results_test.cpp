@@ -27,7 +27,7 @@ FrameResult example(const std::string& technique, std::uint32_t samples, std::ui
   result.ms.spread_ms = 0.5;
   result.ms.cold_ms = 900;
   result.memory = {160, 128, 160 * 640 * 360, 128 * 640 * 360, 5'000'000'000};
-  result.shading = {230400, 1.0, {0, 230400}};
+  result.shading = {230400, 1.0, {0, 230400}, {{"visibility", 500000}}};
   result.counters = {{"fragments", 123456789012}};
   result.images = {{"image", "0_msaa.png"}};
   return result;
@@ -70,6 +70,7 @@ TEST(Results, LayoutIsTheContract) {
   EXPECT_EQ(result.at("ms").at("pass_order"), nlohmann::json({"visibility", "lighting"}));
   EXPECT_EQ(result.at("spread"), 0.5);
   EXPECT_EQ(result.at("shading").at("histogram"), nlohmann::json({0, 230400}));
+  EXPECT_EQ(result.at("shading").at("fragments").at("visibility"), 500000);
   EXPECT_TRUE(result.at("error").at("flip_mean").is_null());
   for (const char* name : {"mse", "psnr", "flip_mean", "flip_p99", "flip_max", "hdr_rel_mse", "flicker"}) {
     EXPECT_TRUE(result.at("error").contains(name)) << name;
@@ -127,9 +128,10 @@ TEST(Results, CsvHasOneLineForEachResultAndAllColumns) {
   std::size_t lines = 0;
   for (std::size_t at = csv.find("\r\n"); at != std::string::npos; at = csv.find("\r\n", at + 2)) ++lines;
   EXPECT_EQ(lines, 1 + results.results.size());
-  EXPECT_NE(csv.find(",pass_visibility_ms,pass_lighting_ms,counter_fragments\r\n"), std::string::npos);
+  EXPECT_NE(csv.find(",pass_visibility_ms,pass_lighting_ms,pass_visibility_fragments,counter_fragments\r\n"),
+            std::string::npos);
   EXPECT_NE(csv.find("\r\n0,\"a \"\"quoted\"\", name\",weight=equal,1,640,360,50,0.5,900,"), std::string::npos);
-  EXPECT_NE(csv.find(",0;230400,0.001,,,,,,,300,100,123456789012\r\n"), std::string::npos);
+  EXPECT_NE(csv.find(",0;230400,0.001,,,,,,,300,100,500000,123456789012\r\n"), std::string::npos);
 }
 
 TEST(Results, TableAveragesFramesAndStatesRatios) {
