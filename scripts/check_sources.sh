@@ -9,8 +9,15 @@ limit=${SUBPIXEL_TIDY_SECONDS:-240}
 folders=(capture_format replay server cli tests bench)
 
 mapfile -t sources < <(find "${folders[@]}" -name '*.cpp' -o -name '*.hpp' | sort)
-echo "clang-format: ${#sources[@]} files"
-clang-format --dry-run -Werror "${sources[@]}"
+# Other versions break some lines elsewhere.
+formatter=14
+found=$(clang-format --version | sed 's/.*version \([0-9]*\).*/\1/')
+if [ "$found" = "$formatter" ]; then
+  echo "clang-format: ${#sources[@]} files"
+  clang-format --dry-run -Werror "${sources[@]}"
+else
+  echo "clang-format: left out: the sources are as version $formatter has them, and this is $found"
+fi
 
 [ "$limit" = 0 ] && { echo "clang-tidy: left out"; exit 0; }
 [ "$limit" = all ] && limit=1000000

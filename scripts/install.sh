@@ -12,6 +12,8 @@ unreachable_note=build/mesa-backports-unreachable
 packages=(build-essential g++ cmake ninja-build pkg-config glslang-tools libvulkan-dev libcpp-httplib-dev
   nlohmann-json3-dev libopenimageio-dev libsqlite3-dev libassimp-dev libzstd-dev libxxhash-dev libspdlog-dev libfmt-dev
   libcli11-dev libglm-dev libminizip-dev libgtest-dev libbenchmark-dev sweethome3d-furniture)
+# Least versions, Debian 12's: older ones are known not to do (CMake's presets; a Vulkan extension's header; C++20).
+least_versions=(cmake 3.25 libvulkan-dev 1.3.239 g++ 4:12)
 test_packages=(clang-format clang-tidy vulkan-validationlayers)
 
 say() { printf 'packages: %s\n' "$*"; }
@@ -91,6 +93,24 @@ own_entry_for() {
     END { exit !found }'
 }
 
+# Says at once all that the machine's package sources lack, where apt would name the first.
+require_offered() {
+  local package candidate absent=() old=() i
+  for package in "$@"; do
+    candidate=$(apt-cache policy "$package" 2>/dev/null | sed -n 's/^ *Candidate: *//p')
+    if [ -z "$candidate" ] || [ "$candidate" = "(none)" ]; then absent+=("$package"); continue; fi
+    for ((i = 0; i < ${#least_versions[@]}; i += 2)); do
+      [ "${least_versions[i]}" != "$package" ] || dpkg --compare-versions "$candidate" ge "${least_versions[i + 1]}" ||
+        old+=("$package $candidate (${least_versions[i + 1]} is needed)")
+    done
+  done
+  local release; release=$(. /etc/os-release && echo "${PRETTY_NAME:-this system}")
+  if [ ${#old[@]} -gt 0 ]; then fail "too old in $release: $(printf '%s; ' "${old[@]}")see docs/operations.md"; fi
+  if [ ${#absent[@]} -gt 0 ]; then
+    fail "the package sources of $release do not offer: ${absent[*]} (Ubuntu has them in universe: add-apt-repository universe)"
+  fi
+}
+
 mesa_from_backports_is_offered() { apt-cache madison mesa-vulkan-drivers 2>/dev/null | grep -q '~bpo12'; }
 
 # Adds the backports suite by the machine's own mirror. Its priority stays apt's 100 for backports: nothing comes from
@@ -165,7 +185,7 @@ if [ "${1:-}" = --tests ]; then
   command -v npm >/dev/null || packages+=(npm)
   # Ubuntu's chromium package is a stub for a snap; a browser that is there already will do.
   . /etc/os-release
-  if ! command -v chromium >/dev/null && ! command -v google-chrome >/dev/null; then
+  if [ -z "${SUBPIXEL_CHROMIUM:-}" ] && ! command -v chromium >/dev/null && ! command -v google-chrome >/dev/null; then
     if [ "${ID:-}" = ubuntu ]; then say "no browser found: the browser tests will be skipped"; else packages+=(chromium); fi
   fi
 fi
@@ -176,6 +196,7 @@ for package in "${packages[@]}"; do [ -n "$(installed_version "$package")" ] || 
 if [ ${#missing[@]} -gt 0 ]; then
   say "installing ${missing[*]}"
   refresh_lists
+  require_offered "${missing[@]}"
   apt_install "${missing[@]}"
 fi
 say "all there; Mesa $(installed_version mesa-vulkan-drivers)"
