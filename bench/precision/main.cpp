@@ -105,11 +105,11 @@ double distance_plane(const ExactFrame& frame, const ExactFragment& f, const glm
 
 std::vector<Format> formats() {
   std::vector<Format> all;
-  const auto depth = [&](std::string name, auto stored) {
-    all.push_back({.quantity = "depth of lit points", .name = std::move(name), .depth = stored});
+  const auto depth = [&](const std::string& name, auto stored) {
+    all.push_back({.quantity = "depth of lit points", .name = name, .depth = stored});
   };
-  const auto surface = [&](std::string quantity, std::string name, auto stored) {
-    all.push_back({.quantity = std::move(quantity), .name = std::move(name), .surface = stored});
+  const auto surface = [&](const std::string& quantity, const std::string& name, auto stored) {
+    all.push_back({.quantity = quantity, .name = name, .surface = stored});
   };
   depth("float32, reversed (ours)", [](const ExactFrame&, const glm::dvec2&, double z) { return to_float(z); });
   depth("24 bits, reversed", [](const ExactFrame&, const glm::dvec2&, double z) { return to_unorm(z, 24); });
@@ -138,8 +138,8 @@ std::vector<Format> formats() {
   });
   surface("emission", "shared exponent 9+9+9+5 (ours)",
           [](ExactSurface& s) { s.emissive = shared_exponent(s.emissive); });
-  const auto plane = [&](std::string name, auto stored) {
-    all.push_back({.quantity = "depth planes at samples", .name = std::move(name), .plane = stored});
+  const auto plane = [&](const std::string& name, auto stored) {
+    all.push_back({.quantity = "depth planes at samples", .name = name, .plane = stored});
   };
   plane("distance, float32 slopes", [](const ExactFrame& frame, const ExactFragment& f, const glm::dvec2& at,
                                        std::uint32_t s) { return distance_plane(frame, f, at, s, to_float); });
@@ -150,8 +150,8 @@ std::vector<Format> formats() {
           return to_float(f.depth) +
                  glm::dot(glm::dvec2(to_half(f.slope.x), to_half(f.slope.y)), ExactFrame::sample_offset(s));
         });
-  const auto value = [&](std::string name, auto stored) {
-    all.push_back({.quantity = "lit samples", .name = std::move(name), .sample_value = stored});
+  const auto value = [&](const std::string& name, auto stored) {
+    all.push_back({.quantity = "lit samples", .name = name, .sample_value = stored});
   };
   value("half", to_half);
   value("unsigned 11 bits (R11G11B10)", [](double v) { return to_small_float(v, 6); });
@@ -216,6 +216,7 @@ void print_head(const char* first, const std::vector<std::string>& scenes, int c
 
 void print_table(const std::vector<std::string>& scenes) {
   std::vector<std::vector<Loss>> losses;
+  losses.reserve(scenes.size());
   for (const std::string& scene : scenes) losses.push_back(study(scene, 160, 90));
   print_head("| quantity | stored as | largest difference |", scenes, 3);
   const std::vector<Format> all = formats();

@@ -56,6 +56,7 @@ void require(bool holds, std::string_view parameter, const std::string& why) {
 
 std::vector<SceneInfo> list_scenes() {
   std::vector<SceneInfo> list;
+  list.reserve(std::size(kScenes) + hard_cases().size());
   for (const Scene& scene : kScenes) list.push_back(scene.info);
   for (const HardCase& hard : hard_cases())
     list.push_back({hard.name, hard.description, SceneGroup::hard, hard.expectation, 2, hard.width, hard.height});
