@@ -67,9 +67,10 @@ Capture streaming_depth(const GenerateOptions& options) {
   for (int i = 0; i < 16; ++i) add_quad(slats, {0.16 * (i - 8), -0.9, 0}, {0.045, 0, 0}, {0, 1.8, 0});
   scene.draw(scene.add_mesh("slats", slats), "slats", add_plain(scene, "slats", 0.8f), rotation({0, 0, 1}, kTilt));
   Mesh wall;
+  constexpr int kMiddleColumn = kColumns / 2, kMiddleRow = kRows / 2;
   for (int row = 0; row <= kRows; ++row)
     for (int column = 0; column <= kColumns; ++column)
-      wall.add_vertex({(column - kColumns / 2) * kCell, (row - kRows / 2) * kCell, -2}, {0, 0, 1}, {0, 0});
+      wall.add_vertex({(column - kMiddleColumn) * kCell, (row - kMiddleRow) * kCell, -2}, {0, 0, 1}, {0, 0});
   for (std::uint32_t row = 0; row < kRows; ++row) {
     for (std::uint32_t column = 0; column < kColumns; ++column) {
       const std::uint32_t corner = row * (kColumns + 1) + column, above = corner + kColumns + 1;

@@ -44,7 +44,8 @@ Capture hard_subpixel(const GenerateOptions& options) {
   const int columns = static_cast<int>(options.width) / 2, rows = static_cast<int>(options.height) / 2;
   std::array<Mesh, kMaterials> meshes;
   for (int cell = 0; cell < columns * rows; ++cell) {
-    const glm::dvec3 corner((cell % columns - columns / 2) * pixel, (cell / columns - rows / 2) * pixel, 0);
+    const int column = cell % columns - columns / 2, row = cell / columns - rows / 2;
+    const glm::dvec3 corner(column * pixel, row * pixel, 0);
     for (int i = 0; i < kPerPixel; ++i) {
       Mesh& mesh = meshes[random.below(kMaterials)];
       const double size = random.between(0.1, 0.7) * pixel;

@@ -57,7 +57,8 @@ Capture hard_grazing(const GenerateOptions& options) {
   std::array<Mesh, 2> walls;
   const int count = static_cast<int>(options.width) / 5;
   for (int i = 0; i < count; ++i) {
-    const double from = ((i - count / 2) * 5 + 0.37) * pixel, to = from + 1.5 * pixel;
+    const int first_pixel = (i - count / 2) * 5;
+    const double from = (first_pixel + 0.37) * pixel, to = from + 1.5 * pixel;
     const double low = -0.3, high = 0.3;
     Mesh& wall = walls[i % 2 == 0 ? 0 : 1];
     const auto first = static_cast<std::uint32_t>(wall.positions.size());
@@ -86,8 +87,9 @@ Capture hard_coplanar(const GenerateOptions& options) {
   add_quad(twice, left, across, up);
   add_quad(once, right, across, up);
   // The same plane in three by three parts, which end inside.
-  for (int i = 0; i < 9; ++i)
-    add_quad(cut, right + across * (0.1 + 0.27 * (i % 3)) + up * (0.1 + 0.27 * (i / 3)), across * 0.27, up * 0.27);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      add_quad(cut, right + across * (0.1 + 0.27 * column) + up * (0.1 + 0.27 * row), across * 0.27, up * 0.27);
   const Draw mesh = scene.add_mesh("twice", twice);
   scene.draw(mesh, "first", red);
   scene.draw(mesh, "second", green);

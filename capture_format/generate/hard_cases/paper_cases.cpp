@@ -52,7 +52,8 @@ Capture hard_shadow_albedo(const GenerateOptions& options) {
   std::array<Mesh, 2> stripes;
   Mesh slats;
   for (int i = 0; i < count; ++i) {
-    const double left = (i - count / 2 + 0.3) * width;
+    const int place = i - count / 2;
+    const double left = (place + 0.3) * width;
     add_quad(stripes[i % 2 == 0 ? 0 : 1], {left, -1.2, 0}, {width, 0, 0}, {0, 2.4, 0});
     // Shadows on the upper half: below, white is lit, too. They are wider than the stripes by the shadow filter's
     // reach.
@@ -103,7 +104,8 @@ Capture hard_railings(const GenerateOptions& options) {
     const int count = static_cast<int>(options.width * 0.8 / 1.1);
     const double radius = (0.12 + 0.08 * row) * pixel, z = -0.2 * row;
     for (int i = 0; i < count; ++i) {
-      const double x = (i - count / 2) * 1.1 * pixel;
+      const int place = i - count / 2;
+      const double x = place * 1.1 * pixel;
       add_bar(bars, {x, bottom, z}, {x + 0.02, top, z}, radius, 4, false);
     }
     for (const double y : {bottom, top})
@@ -126,9 +128,10 @@ Capture hard_blurred_texture(const GenerateOptions& options) {
   Mesh wall;
   const int columns = static_cast<int>(options.width / 2), rows = static_cast<int>(options.height / 2);
   const double cell = 1.7 * pixel;
+  const int middle_column = columns / 2, middle_row = rows / 2;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
-      add_quad(wall, {(column - columns / 2) * cell, (row - rows / 2) * cell, 0}, {cell, 0, 0}, {0, cell, 0},
+      add_quad(wall, {(column - middle_column) * cell, (row - middle_row) * cell, 0}, {cell, 0, 0}, {0, cell, 0},
                0.05 / pixel);
   scene.draw(scene.add_mesh("wall", wall), "wall", scene.add_material(checker), rotation({0, 0, 1}, 11 * kPi / 180));
   return scene.finish(case_camera(kDistance), options.frames, options.width, options.height);
@@ -146,8 +149,8 @@ Capture hard_small_angle(const GenerateOptions& options) {
   for (int i = 0; i < count; ++i) {
     const double depth = width * sine(kAngle) / cosine(kAngle);
     const bool rising = i % 2 == 0;
-    add_quad(walls, {(i - count / 2) * width, -1.1, rising ? 0 : depth}, {width, 0, rising ? depth : -depth},
-             {0, 2.2, 0});
+    const int place = i - count / 2;
+    add_quad(walls, {place * width, -1.1, rising ? 0 : depth}, {width, 0, rising ? depth : -depth}, {0, 2.2, 0});
   }
   scene.draw(scene.add_mesh("walls", walls), "walls", add_plain_material(scene, "plaster", {0.7, 0.7, 0.7}, 1),
              rotation({0, 0, 1}, 7 * kPi / 180));

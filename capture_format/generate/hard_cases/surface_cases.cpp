@@ -20,7 +20,8 @@ Capture hard_opposite_normals(const GenerateOptions& options) {
   const int count = static_cast<int>(2 * options.width);
   Mesh strips;
   for (int i = 0; i < count; ++i) {
-    add_quad(strips, {(i - count / 2) * width, -1, 0}, {width, 0, 0}, {0, 2, 0});
+    const int place = i - count / 2;
+    add_quad(strips, {place * width, -1, 0}, {width, 0, 0}, {0, 2, 0});
     for (int k = 1; k <= 4; ++k)
       strips.normals[strips.normals.size() - static_cast<std::size_t>(k)] = {i % 2 == 0 ? 1 : -1, 0, 0};
   }
@@ -36,9 +37,10 @@ Capture hard_roughness(const GenerateOptions& options) {
   add_sphere(mesh, {0, 0, 0}, 0.48, 16);
   const Draw sphere = scene.add_mesh("sphere", mesh);
   for (int i = 0; i < 4; ++i) {
-    const std::string name = i % 2 == 0 ? "smooth" : "rough";
-    scene.draw(sphere, name, add_plain_material(scene, name, {0.9, 0.6, 0.3}, i % 2, i / 2),
-               translation({1.05 * (i % 2) - 0.525, 1.05 * (i / 2) - 0.525, 0}));
+    const int column = i % 2, row = i / 2;
+    const std::string name = column == 0 ? "smooth" : "rough";
+    scene.draw(sphere, name, add_plain_material(scene, name, {0.9, 0.6, 0.3}, column, row),
+               translation({1.05 * column - 0.525, 1.05 * row - 0.525, 0}));
   }
   return scene.finish(case_camera(3.2), options.frames, options.width, options.height);
 }
