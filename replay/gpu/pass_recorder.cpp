@@ -334,7 +334,7 @@ void PassRecorder::raster(RasterPass pass) {
   steps_.push_back(std::move(step));
 }
 
-void PassRecorder::fill(std::string name, Buffer& buffer, std::uint32_t value) {
+void PassRecorder::fill(const std::string& name, Buffer& buffer, std::uint32_t value) {
   Step step;
   step.timing = timing(name);
   step.uses = {{&buffer,

@@ -117,7 +117,7 @@ class PassRecorder {
 
   void compute(ComputePass pass);
   void raster(RasterPass pass);
-  void fill(std::string name, Buffer& buffer, std::uint32_t value);
+  void fill(const std::string& name, Buffer& buffer, std::uint32_t value);
   // Host work between passes (reading a device-side total); not timed.
   void host(std::function<void()> work);
 

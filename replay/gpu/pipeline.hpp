@@ -32,6 +32,7 @@ struct RenderPassDescription {
   // (VK_EXT_rasterization_order_attachment_access): every colour attachment is also an input attachment.
   bool ordered_read = false;
   bool clear = false;  // attachments are cleared, else loaded
+  // NOLINTNEXTLINE(modernize-use-nullptr): it takes the 0 that a comparison's result is held against for a pointer
   auto operator<=>(const RenderPassDescription&) const = default;
 };
 
@@ -46,6 +47,7 @@ struct RasterDescription {
   bool additive = false;  // colour = source + destination, all attachments
   bool depth_clamp = false;
   float depth_bias = 0, depth_bias_slope = 0;
+  // NOLINTNEXTLINE(modernize-use-nullptr): as above
   auto operator<=>(const RasterDescription&) const = default;
 };
 

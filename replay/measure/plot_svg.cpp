@@ -48,7 +48,7 @@ std::string short_number(double value) {
     std::string text = fmt::format("{:.0e}", value);
     const std::size_t exponent = text.find('e');
     std::string sign = text[exponent + 1] == '-' ? "-" : "";
-    const std::size_t digits = std::min(text.find_first_not_of("0", exponent + 2), text.size() - 1);
+    const std::size_t digits = std::min(text.find_first_not_of('0', exponent + 2), text.size() - 1);
     return text.substr(0, exponent + 1) + sign + text.substr(digits);
   }
   return fmt::format("{:g}", value);

@@ -76,6 +76,7 @@ std::vector<Row> rows_of(const std::vector<Summary>& summaries) {
     return base == nullptr || !(base->total_ms > 0) ? std::nan("") : summary.total_ms / base->total_ms;
   };
   std::vector<Row> rows;
+  rows.reserve(summaries.size());
   for (const Summary& summary : summaries) {
     rows.push_back(
         {setting_label(summary, summaries),

@@ -20,8 +20,9 @@ bool finite(const glm::dmat4& m) {
 
 glm::dmat4 matrix(const capture::Matrix4& column_major) {
   glm::dmat4 result;
+  std::size_t next = 0;
   for (int c = 0; c < 4; ++c)
-    for (int r = 0; r < 4; ++r) result[c][r] = static_cast<double>(column_major[static_cast<std::size_t>(4 * c + r)]);
+    for (int r = 0; r < 4; ++r) result[c][r] = static_cast<double>(column_major[next++]);
   return result;
 }
 

@@ -249,6 +249,7 @@ const tests = [
   ['runs are listed, also in the dark', async () => {
     await page.getByRole('button', {name: 'light and dark'}).click();
     await page.getByRole('link', {name: 'Runs', exact: true}).first().click();
+    await page.getByRole('heading', {name: 'Runs', exact: true, level: 1}).waitFor();  // the run's page has such a pill too
     await page.locator('.pill.done').waitFor();
     assert.equal(await page.locator('tbody tr').count(), 1);
     await shot('runs-dark');
