@@ -154,7 +154,10 @@ void record_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const Re
   pass.pipeline.constants = common_constants(setup);
   append(pass.pipeline.constants, dcaa_constants(setup));
   pass.bindings = {gpu::reads(1, *r.table), gpu::reads(2, *r.view)};
-  if (r.bound) pass.bindings.push_back(gpu::samples(0, *r.bound));
+  // Without a prepass the shader reads no bound, but declares it: the slot may not be empty.
+  gpu::Image& bound =
+      r.bound ? *r.bound : recorder.image({"no bound", kWords, 1, 1, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+  pass.bindings.push_back(gpu::samples(0, bound));
   if (r.state) {
     const std::uint32_t attachments = r.state->description().layers;
     geometry.fragment_opaque = fmt::format("techniques/dcaa/merge.frag:{}", attachments);

@@ -114,10 +114,7 @@ void record_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, co
     recorder.fill("compress", *state.words, 0);
     pass.bindings.push_back(gpu::reads(0, *state.address));
     pass.by_address.push_back(state.words);
-    // A pass needs a target for its size.
-    pass.pipeline.targets.colours = {VK_FORMAT_R8G8B8A8_UNORM};
-    pass.colours = {{recorder.image({"streaming target", VK_FORMAT_R8G8B8A8_UNORM, setup.width, setup.height, 1, 1,
-                                     VK_SAMPLE_COUNT_1_BIT, kTarget, false})}};
+    pass.size = {setup.width, setup.height};
   }
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
