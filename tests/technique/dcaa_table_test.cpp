@@ -54,8 +54,12 @@ TEST(DcaaTable, DecidesAMillionRandomEdgesAlmostAsExactOnesDo) {
 }
 
 TEST(DcaaTable, ErrsLessTheLargerItIs) {
-  const double coarse = wrong_fraction({32, 16}, 64, 50'000), middle = wrong_fraction({128, 64}, 64, 50'000),
-               fine = wrong_fraction({1024, 512}, 64, 50'000);
+  const auto recorded = [](std::uint32_t directions, std::uint32_t distances) {
+    const double wrong = wrong_fraction({directions, distances}, 64, 50'000);
+    RecordProperty("wrong_per_million_" + std::to_string(directions), std::to_string(1e6 * wrong));
+    return wrong;
+  };
+  const double coarse = recorded(32, 16), middle = recorded(128, 64), fine = recorded(1024, 512);
   EXPECT_LT(middle, coarse / 2);
   EXPECT_LT(fine, middle / 4);
 }
