@@ -1,6 +1,7 @@
 #include "replay/gpu/device.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
 
 #include <chrono>
 #include <cstdlib>
@@ -67,6 +68,8 @@ struct Features {
   VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
   VkPhysicalDeviceRasterizationOrderAttachmentAccessFeaturesEXT order{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_FEATURES_EXT};
+  VkPhysicalDeviceFragmentShaderInterlockFeaturesEXT interlock{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FRAGMENT_SHADER_INTERLOCK_FEATURES_EXT};
   Features() {
     core.pNext = &v12;
     v12.pNext = &v13;
@@ -98,20 +101,30 @@ constexpr FeatureNeed kNeeds[] = {
      [](Features& f) -> VkBool32& { return f.order.rasterizationOrderColorAttachmentAccess; }},
 };
 
+bool has_extension(VkPhysicalDevice physical, const char* wanted) {
+  std::uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+  return std::ranges::any_of(extensions,
+                             [&](const auto& extension) { return std::strcmp(extension.extensionName, wanted) == 0; });
+}
+
+bool has_pixel_interlock(VkPhysicalDevice physical) {
+  if (!has_extension(physical, VK_EXT_FRAGMENT_SHADER_INTERLOCK_EXTENSION_NAME)) return false;
+  Features available;
+  available.order.pNext = &available.interlock;
+  vkGetPhysicalDeviceFeatures2(physical, &available.core);
+  return available.interlock.fragmentShaderPixelInterlock == VK_TRUE;
+}
+
 std::vector<std::string> missing_needs(VkPhysicalDevice physical) {
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(physical, &properties);
   if (properties.apiVersion < VK_API_VERSION_1_3) return {"Vulkan 1.3"};
   std::vector<std::string> missing;
-  std::uint32_t count = 0;
-  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
-  std::vector<VkExtensionProperties> extensions(count);
-  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
-  for (const char* wanted : kRequiredExtensions) {
-    bool found = false;
-    for (const auto& extension : extensions) found = found || std::strcmp(extension.extensionName, wanted) == 0;
-    if (!found) missing.emplace_back(wanted);
-  }
+  for (const char* wanted : kRequiredExtensions)
+    if (!has_extension(physical, wanted)) missing.emplace_back(wanted);
   Features available;
   vkGetPhysicalDeviceFeatures2(physical, &available.core);
   for (const auto& need : kNeeds)
@@ -224,6 +237,7 @@ void Device::choose_physical(const DeviceOptions& options) {
   info_.max_storage_buffer_range = core.limits.maxStorageBufferRange;
   info_.max_buffer_size = maintenance3.maxMemoryAllocationSize;
   info_.max_image_dimension = core.limits.maxImageDimension2D;
+  info_.pixel_interlock = has_pixel_interlock(physical_);
   timestamp_period_ns_ = core.limits.timestampPeriod;
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 }
@@ -249,8 +263,14 @@ void Device::create_device() {
   VkDeviceCreateInfo create{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &enabled.core};
   create.queueCreateInfoCount = 1;
   create.pQueueCreateInfos = &queue;
-  create.enabledExtensionCount = static_cast<std::uint32_t>(std::size(kRequiredExtensions));
-  create.ppEnabledExtensionNames = kRequiredExtensions;
+  std::vector<const char*> extensions(std::begin(kRequiredExtensions), std::end(kRequiredExtensions));
+  if (info_.pixel_interlock) {
+    extensions.push_back(VK_EXT_FRAGMENT_SHADER_INTERLOCK_EXTENSION_NAME);
+    enabled.interlock.fragmentShaderPixelInterlock = VK_TRUE;
+    enabled.order.pNext = &enabled.interlock;
+  }
+  create.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  create.ppEnabledExtensionNames = extensions.data();
   check(vkCreateDevice(physical_, &create, nullptr, &device_), "vkCreateDevice");
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
   push_descriptor_set =

@@ -23,6 +23,7 @@ struct DeviceInfo {
   VkDeviceSize max_storage_buffer_range = 0;
   VkDeviceSize max_buffer_size = 0;
   std::uint32_t max_image_dimension = 0;
+  bool pixel_interlock = false;  // VK_EXT_fragment_shader_interlock: ordered passes use it for state in buffers
 };
 
 class PipelineCache;

@@ -167,7 +167,7 @@ void record_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const Re
     for (std::uint32_t i = 0; i < attachments; ++i) pass.colours.emplace_back(*r.state, i);
     pass.clear_colours.assign(attachments, {});
   } else {
-    geometry.fragment_opaque = "techniques/dcaa/merge.frag:BUFFER";
+    geometry.fragment_opaque = std::string("techniques/dcaa/merge.frag:") + buffer_variant(recorder.device());
     recorder.fill("merge", *r.words, 0);
     pass.bindings.push_back(gpu::reads(0, *r.address));
     pass.by_address.push_back(r.words);

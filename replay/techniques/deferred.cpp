@@ -54,6 +54,10 @@ gpu::Image& map_image(gpu::PassRecorder& recorder, const FrameSetup& setup, std:
       {std::move(name), VK_FORMAT_R32_UINT, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
 }
 
+const char* buffer_variant(const gpu::Device& device) {
+  return device.info().pixel_interlock ? "INTERLOCK" : "BUFFER";
+}
+
 std::uint64_t state_pixels(const FrameSetup& setup) {
   return std::uint64_t{setup.width} * ((setup.height + 3) / 4 * 4) + 4;
 }

@@ -31,6 +31,10 @@ gpu::Image& map_image(gpu::PassRecorder& recorder, const FrameSetup& setup, std:
 // of which those beyond the border read, too.
 std::uint64_t state_pixels(const FrameSetup& setup);
 
+// Variant of an ordered pass whose state lies in a buffer: INTERLOCK where the device orders its accesses, else BUFFER,
+// whose order the start-up litmus has proven.
+const char* buffer_variant(const gpu::Device& device);
+
 // A list of pixels that compute passes work through (shaders/deferred/pixel_list.glsl).
 struct PixelList {
   gpu::Buffer* pixels = nullptr;

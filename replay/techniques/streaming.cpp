@@ -110,7 +110,7 @@ void record_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, co
     for (std::uint32_t i = 0; i < attachments; ++i) pass.colours.emplace_back(*state.image, i);
     pass.clear_colours.assign(attachments, {});
   } else {
-    geometry.fragment_opaque = "techniques/streaming/compress.frag:BUFFER";
+    geometry.fragment_opaque = std::string("techniques/streaming/compress.frag:") + buffer_variant(recorder.device());
     recorder.fill("compress", *state.words, 0);
     pass.bindings.push_back(gpu::reads(0, *state.address));
     pass.by_address.push_back(state.words);

@@ -4,6 +4,16 @@
 #ifndef SUBPIXEL_ORDERED_STATE_GLSL
 #define SUBPIXEL_ORDERED_STATE_GLSL
 
+// With INTERLOCK the device orders what stands between begin_ordered() and end_ordered() (VK_EXT_fragment_shader_interlock).
+#ifdef INTERLOCK
+layout(pixel_interlock_ordered) in;
+#define begin_ordered() beginInvocationInterlockARB()
+#define end_ordered() endInvocationInterlockARB()
+#else
+#define begin_ordered()
+#define end_ordered()
+#endif
+
 #if ATTACHMENTS > 0
 #define STATE(i, bind)                                                                            \
   layout(input_attachment_index = i, set = 0, binding = bind) uniform usubpassInput in_state##i; \
@@ -74,7 +84,11 @@ void set_quad(uint i, uvec4 value) {
 }
 
 #else
+#ifdef INTERLOCK
+layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer StateQuads { uvec4 quads[]; };
+#else
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer StateQuads { uvec4 quads[]; };
+#endif
 layout(set = 0, binding = 1, scalar) readonly buffer StateAddress { StateQuads state; };
 
 uint first_quad;

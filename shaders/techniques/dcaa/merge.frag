@@ -2,7 +2,10 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: 3=-DATTACHMENTS=3 4=-DATTACHMENTS=4 5=-DATTACHMENTS=5 6=-DATTACHMENTS=6 7=-DATTACHMENTS=7 8=-DATTACHMENTS=8 BUFFER=-DATTACHMENTS=0
+#ifdef INTERLOCK
+#extension GL_ARB_fragment_shader_interlock : require
+#endif
+// variants: 3=-DATTACHMENTS=3 4=-DATTACHMENTS=4 5=-DATTACHMENTS=5 6=-DATTACHMENTS=6 7=-DATTACHMENTS=7 8=-DATTACHMENTS=8 BUFFER=-DATTACHMENTS=0 INTERLOCK=-DATTACHMENTS=0,-DINTERLOCK
 // The merge pass: every fragment that the prepass does not rule out goes into its pixel's surfaces.
 // Reads: the prepass's bound (sampled slot 0), the camera (storage slot 2), materials. Reads and writes: the pixel's state
 // (state.glsl), in primitive order.
@@ -20,6 +23,7 @@ layout(set = 0, binding = 12) uniform usampler2DArray depth_bound;
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
+  begin_ordered();
   DepthPlane plane = fragment_depth(pixel);
   vec3 bound = dcaa_option(DCAA_PREPASS) ? uintBitsToFloat(texelFetch(depth_bound, ivec3(pixel, 0), 0).xyz) : vec3(0.0);
   bool stored = false;
@@ -55,5 +59,6 @@ void main() {
       }
     }
   }
+  end_ordered();
   if (!stored) discard;
 }

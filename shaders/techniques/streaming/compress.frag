@@ -2,7 +2,10 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: 3=-DATTACHMENTS=3 4=-DATTACHMENTS=4 5=-DATTACHMENTS=5 6=-DATTACHMENTS=6 7=-DATTACHMENTS=7 8=-DATTACHMENTS=8 BUFFER=-DATTACHMENTS=0
+#ifdef INTERLOCK
+#extension GL_ARB_fragment_shader_interlock : require
+#endif
+// variants: 3=-DATTACHMENTS=3 4=-DATTACHMENTS=4 5=-DATTACHMENTS=5 6=-DATTACHMENTS=6 7=-DATTACHMENTS=7 8=-DATTACHMENTS=8 BUFFER=-DATTACHMENTS=0 INTERLOCK=-DATTACHMENTS=0,-DINTERLOCK
 // The compression pass: a fragment that passes the n-sample depth test in some sample goes into its pixel's surfaces.
 // Reads and writes: the pixel's state (state.glsl), in primitive order.
 #define WITH_UV
@@ -15,6 +18,7 @@
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
+  begin_ordered();
   PixelEdges edges = fragment_edges(pixel);
   uint geometry = coverage_mask(edges, SAMPLES, 0u, SAMPLES);
   uint mask = geometry;
@@ -69,5 +73,6 @@ void main() {
                  uvec4(list.word[4u * i], list.word[4u * i + 1u], list.word[4u * i + 2u], list.word[4u * i + 3u]));
     }
   }
+  end_ordered();
   if (passed == 0u) discard;
 }
