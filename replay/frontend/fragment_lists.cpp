@@ -164,9 +164,9 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
       total += next - begins[p];
       longest = std::max(longest, next - begins[p]);
     }
-    const std::uint64_t pixels = std::uint64_t{setup.width} * setup.height;
-    const std::uint64_t most = std::clamp(kMostFragmentsPerPixel * pixels, kAnyFragments, kMostFragments);
-    if (total > most || longest > kLongestList) return std::nullopt;
+    const std::uint64_t most = std::max(kMostFragmentsPerPixel * setup.width * setup.height,
+                                        kMostFragmentsPerTriangle * frontend.hull_count());
+    if (total > std::clamp(most, kAnyFragments, kMostFragments) || longest > kLongestList) return std::nullopt;
     for (const Frontend::Batch& batch : frontend.material_batches()) {
       const std::uint64_t first = sums[batch.first_chunk].x, last = sums[batch.last_chunk].x;
       if (first < last) lists.batches.push_back({first, last, batch.material, batch.alpha_test});

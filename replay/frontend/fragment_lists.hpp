@@ -36,10 +36,11 @@ struct FragmentLists {
 
 // Fragments of one pixel that shaders can sort within the 65,535 turns of loops that some drivers end at.
 inline constexpr std::uint32_t kLongestList = 2000;
-// Fragments a pixel of frames with more than a million of them, and in all: they take 20 bytes each and what a
-// technique adds, and where a frame is that deep most of its fragments are hidden ones, for which an ordered pass is
-// faster.
-inline constexpr std::uint64_t kMostFragmentsPerPixel = 12, kAnyFragments = 1'000'000, kMostFragments = 32'000'000;
+// Fragments take 20 bytes each and what a technique adds. A frame may have a million of them, or so many a pixel or a
+// triangle, and in no case more than the last. Where both pixels and triangles have more, most fragments are hidden
+// ones of triangles that fill the vectors of an ordered pass, which is faster then.
+inline constexpr std::uint64_t kAnyFragments = 1'000'000, kMostFragmentsPerPixel = 12, kMostFragmentsPerTriangle = 16;
+inline constexpr std::uint64_t kMostFragments = 32'000'000;
 
 // Masks of up to 32 samples are collected: each fragment has a sample and carries those that geometry covers, before
 // alpha. Or lists hold all pixels that a triangle's edges reach, and masks are the technique's to make.
