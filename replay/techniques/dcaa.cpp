@@ -189,10 +189,11 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   append(listed.constants, dcaa_constants(setup));
   listed.bindings = {gpu::reads(1, *r.table), gpu::reads(2, *r.view), gpu::reads(3, surfaces_address)};
   listed.by_address = {&surfaces};
-  if (setup.scene.features().has(FEATURE_ALPHA_TEST)) {
-    listed.name = "alpha";
-    listed.shader = "techniques/dcaa/alpha.comp";
-    listed.alpha_only = true;
+  const bool exact = setup.choice("coverage") == "exact";
+  if (exact || setup.scene.features().has(FEATURE_ALPHA_TEST)) {
+    listed.name = exact ? "masks" : "alpha";
+    listed.shader = "techniques/dcaa/masks.comp";
+    listed.alpha_only = !exact;
     record_listed_fragments(recorder, setup, lists, listed);
     listed.alpha_only = false;
   }
