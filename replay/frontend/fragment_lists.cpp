@@ -133,6 +133,21 @@ FragmentLists lists_of(const Counted& counted) {
   return lists;
 }
 
+// Does the device run loops as long as they are?
+bool runs_long_loops(gpu::Device& device) {
+  gpu::PassRecorder recorder(device);
+  gpu::Buffer& turns = recorder.buffer("turns", 4 * sizeof(std::uint32_t));
+  constexpr std::uint32_t kWanted = 1'000'000;
+  std::ranges::copy(std::array<std::uint32_t, 4>{kWanted, 0, 1, 1}, turns.as<std::uint32_t>().begin());
+  gpu::ComputePass pass;
+  pass.name = "turns";
+  pass.shader = "frontend/count_turns.comp";
+  pass.bindings = {gpu::writes(0, turns)};
+  recorder.compute(std::move(pass));
+  recorder.run();
+  return turns.as<std::uint32_t>()[1] == kWanted;
+}
+
 }  // namespace
 
 std::uint32_t device_runs() {
@@ -167,6 +182,7 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
     const std::uint64_t most = std::max(kMostFragmentsPerPixel * setup.width * setup.height,
                                         kMostFragmentsPerTriangle * frontend.hull_count());
     if (total > std::clamp(most, kAnyFragments, kMostFragments) || longest > kLongestList) return std::nullopt;
+    if (longest > kLongestListOfShortLoops && !runs_long_loops(frontend.device())) return std::nullopt;
     for (const Frontend::Batch& batch : frontend.material_batches()) {
       const std::uint64_t first = sums[batch.first_chunk].x, last = sums[batch.last_chunk].x;
       if (first < last) lists.batches.push_back({first, last, batch.material, batch.alpha_test});

@@ -34,9 +34,9 @@ struct FragmentLists {
   }
 };
 
-// Fragments of one pixel that shaders can sort and go through within the 65,535 turns of loops, all of an invocation
-// together, that Mesa 22.3 ends at.
-inline constexpr std::uint32_t kLongestList = 1000;
+// Fragments of one pixel that shaders go through, where a driver ends loops after 65,535 turns, all of an invocation
+// together (Mesa 22.3), and elsewhere.
+inline constexpr std::uint32_t kLongestListOfShortLoops = 900, kLongestList = 4000;
 // Fragments take 20 bytes each and what a technique adds. A frame may have a million of them, or so many a pixel or a
 // triangle, and in no case more than the last. Where both pixels and triangles have more, most fragments are hidden
 // ones of triangles that fill the vectors of an ordered pass, which is faster then.

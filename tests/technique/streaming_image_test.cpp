@@ -148,7 +148,7 @@ TEST(Streaming, ListsLeaveTheBitsOfTheOrderedPass) {
 TEST(Streaming, DeepFramesTakeTheOrderedPass) {
   // Lists of 450, on the diagonal 900, in every pixel, which the heap sorts; more fragments in a pixel than shaders
   // sort.
-  for (const int layers : {450, 1100}) {
+  for (const int layers : {450, 2100}) {
     capture::Capture capture = flat_capture(32, 32);
     const auto grey = add_emitter(capture, {0.5f, 0.5f, 0.5f}), white = add_emitter(capture, {1, 1, 1});
     for (int i = 0; i < layers; ++i) {
