@@ -103,27 +103,13 @@ TEST(Dcaa, EmptyFramesShowTheSky) {
 }
 
 TEST(Dcaa, ListsLeaveTheBitsOfTheOrderedPasses) {
-  const std::vector<std::pair<std::string, double>> scenes{{"grass", 0.01},      {"city", 0.05},
-                                                           {"foliage", 0.02},    {"arcade", 0.05},
-                                                           {"hard_coplanar", 1}, {"hard_near_plane", 1}};
-  std::size_t listed = 0;
-  for (const auto& [name, density] : scenes) {
-    const capture::Capture capture = capture::generate(name, {1, 61, 37, 1, density});
-    for (ParameterValues given : {ParameterValues{},
-                                  {{"samples", 16}, {"surfaces", 1}, {"prepass", false}},
-                                  {{"samples", 32}, {"surfaces", 8}, {"facet_normal", "3x32"}, {"depth_bits", 32}}}) {
-      // The table covers some samples of pixels that only the hulls of the ordered passes reach.
-      given["coverage"] = "exact";
-      given["order"] = "lists";
-      const TechniqueRun lists = run_technique(capture, "dcaa", given, 61, 37);
-      listed += lists.counters.count("listed_fragments");
-      given["order"] = "one_pass";
-      EXPECT_TRUE(lists == run_technique(capture, "dcaa", given, 61, 37))
-          << name << " " << nlohmann::json(given).dump();
-    }
-  }
-  // Leaves are many deep at this size.
-  EXPECT_GE(listed, 12u);
+  // Exact masks: the table covers some samples of pixels that only the hulls of the ordered passes reach.
+  expect_lists_as_ordered(
+      "dcaa",
+      {{{"coverage", "exact"}},
+       {{"coverage", "exact"}, {"samples", 16}, {"surfaces", 1}, {"prepass", false}},
+       {{"coverage", "exact"}, {"samples", 32}, {"surfaces", 8}, {"facet_normal", "3x32"}, {"depth_bits", 32}}},
+      12);
 }
 
 TEST(Dcaa, SameOnAllThreads) {

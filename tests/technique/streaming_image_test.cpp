@@ -122,27 +122,13 @@ TEST(Streaming, MemoryIsThatOfThePapersTable) {
 }
 
 TEST(Streaming, ListsLeaveTheBitsOfTheOrderedPass) {
-  // Scenes of small and large, alpha-tested, clipped and coinciding triangles; states in attachments and in a buffer.
-  const std::vector<std::pair<std::string, double>> scenes{{"grass", 0.01},      {"city", 0.05},
-                                                           {"foliage", 0.02},    {"arcade", 0.05},
-                                                           {"hard_coplanar", 1}, {"hard_near_plane", 1}};
-  std::size_t listed = 0;
-  for (const auto& [name, density] : scenes) {
-    const capture::Capture capture = capture::generate(name, {1, 61, 37, 1, density});
-    for (ParameterValues given : {ParameterValues{},
-                                  {{"samples", 4}, {"surfaces", 1}, {"occlusion", "depth_test"}},
-                                  {{"samples", 32}, {"surfaces", 4}},
-                                  {{"alpha", "per_sample"}}}) {
-      given["order"] = "lists";
-      const TechniqueRun lists = run_technique(capture, "streaming", given, 61, 37);
-      listed += lists.counters.count("listed_fragments");
-      given["order"] = "one_pass";
-      EXPECT_TRUE(lists == run_technique(capture, "streaming", given, 61, 37))
-          << name << " " << nlohmann::json(given).dump();
-    }
-  }
-  // Leaves are many deep at this size.
-  EXPECT_GE(listed, 20u);
+  // States in attachments and in a buffer.
+  expect_lists_as_ordered("streaming",
+                          {{},
+                           {{"samples", 4}, {"surfaces", 1}, {"occlusion", "depth_test"}},
+                           {{"samples", 32}, {"surfaces", 4}},
+                           {{"alpha", "per_sample"}}},
+                          20);
 }
 
 TEST(Streaming, DeepFramesTakeTheOrderedPass) {

@@ -95,6 +95,29 @@ inline void expect_valid(const TechniqueRun& run, std::uint32_t most_executions)
   }
 }
 
+// Lists of fragments and ordered passes leave the same bits: on scenes of small and large, alpha-tested, clipped and
+// coinciding triangles, for each of `settings`. At least `least_listed` of the runs have to be by lists; leaves are too
+// deep for some.
+inline void expect_lists_as_ordered(std::string_view technique, const std::vector<ParameterValues>& settings,
+                                    std::size_t least_listed) {
+  const std::vector<std::pair<std::string, double>> scenes{{"grass", 0.01},      {"city", 0.05},
+                                                           {"foliage", 0.02},    {"arcade", 0.05},
+                                                           {"hard_coplanar", 1}, {"hard_near_plane", 1}};
+  std::size_t listed = 0;
+  for (const auto& [name, density] : scenes) {
+    const capture::Capture capture = capture::generate(name, {1, 61, 37, 1, density});
+    for (ParameterValues given : settings) {
+      given["order"] = "lists";
+      const TechniqueRun lists = run_technique(capture, technique, given, 61, 37);
+      listed += lists.counters.count("listed_fragments");
+      given["order"] = "one_pass";
+      EXPECT_TRUE(lists == run_technique(capture, technique, given, 61, 37))
+          << name << " " << nlohmann::json(given).dump();
+    }
+  }
+  EXPECT_GE(listed, least_listed);
+}
+
 // Empty frames and frames whose geometry is all out of view show the sky, unlit and everywhere the same.
 inline void expect_plain_sky(std::string_view technique, const ParameterValues& given) {
   capture::Capture empty = flat_capture(19, 13);
