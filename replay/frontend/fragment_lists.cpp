@@ -1,18 +1,14 @@
 #include "replay/frontend/fragment_lists.hpp"
 
 #include <algorithm>
-#include <thread>
 
+#include "replay/frontend/list_passes.hpp"
 #include "shaders/frontend/frontend_types.h"
 
 namespace subpixel::replay {
 namespace {
 
 constexpr std::uint32_t kMostGroups = 65535;  // in each dimension, Vulkan's required limit
-
-std::uint32_t groups_of(std::uint64_t items) {
-  return static_cast<std::uint32_t>((items + 63) / 64);
-}
 
 // Where the counting passes write; sums are scanned over chunks of triangles and groups of pixels.
 struct Counted {
@@ -92,34 +88,12 @@ void record_counting(gpu::PassRecorder& recorder, const FrameSetup& setup, const
   bases.push = gpu::PushConstants(chunks);
   bases.groups = {groups_of(frontend.chunk_count()), 1, 1};
 
-  const std::uint32_t count = setup.width * setup.height, groups = groups_of(count);
-  gpu::ComputePass pixels;
-  pixels.name = name;
-  pixels.bindings = {gpu::writes(0, *counted.ends), gpu::writes(1, *counted.pixel_sums)};
-  struct {
-    std::uint32_t groups, count;
-  } const range{groups, count};
-  pixels.push = gpu::PushConstants(range);
-  pixels.groups = {groups_of(groups), 1, 1};
-
-  gpu::ComputePass scan;
-  scan.name = name;
-  scan.shader = "frontend/scan.comp";
-
   bases.shader = "frontend/fragment_bases.comp:SUM";
   recorder.compute(bases);
-  pixels.shader = "frontend/pixel_bases.comp:SUM";
-  recorder.compute(pixels);
-  scan.bindings = {gpu::writes(0, *counted.chunk_sums)};
-  scan.push = gpu::PushConstants(frontend.chunk_count());
-  recorder.compute(scan);
-  scan.bindings = {gpu::writes(0, *counted.pixel_sums)};
-  scan.push = gpu::PushConstants(groups);
-  recorder.compute(scan);
+  record_scan(recorder, name, *counted.chunk_sums, frontend.chunk_count());
   bases.shader = "frontend/fragment_bases.comp:BASE";
   recorder.compute(bases);
-  pixels.shader = "frontend/pixel_bases.comp:BASE";
-  recorder.compute(pixels);
+  record_bases(recorder, name, *counted.ends, *counted.pixel_sums, setup.width * setup.height);
 }
 
 FragmentLists lists_of(const Counted& counted) {
@@ -133,26 +107,7 @@ FragmentLists lists_of(const Counted& counted) {
   return lists;
 }
 
-// Does the device run loops as long as they are?
-bool runs_long_loops(gpu::Device& device) {
-  gpu::PassRecorder recorder(device);
-  gpu::Buffer& turns = recorder.buffer("turns", 4 * sizeof(std::uint32_t));
-  constexpr std::uint32_t kWanted = 1'000'000;
-  std::ranges::copy(std::array<std::uint32_t, 4>{kWanted, 0, 1, 1}, turns.as<std::uint32_t>().begin());
-  gpu::ComputePass pass;
-  pass.name = "turns";
-  pass.shader = "frontend/count_turns.comp";
-  pass.bindings = {gpu::writes(0, turns)};
-  recorder.compute(std::move(pass));
-  recorder.run();
-  return turns.as<std::uint32_t>()[1] == kWanted;
-}
-
 }  // namespace
-
-std::uint32_t device_runs() {
-  return std::clamp(std::thread::hardware_concurrency(), 1u, 64u);
-}
 
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name, ListedMasks masks) {

@@ -50,9 +50,6 @@ enum class ListedMasks : std::uint32_t { later = 0, collected = 1 };
 // Which of two ways, that leave the same bits, brings fragments in submission order: lists, or one ordered pass.
 Parameter order_parameter();
 
-// Runs of triangles that threads of the device take side by side (small_walk.glsl).
-std::uint32_t device_runs();
-
 // Collects the current frame's fragments, passes `name`, if that parameter asks for lists and the frame is within the
 // limits above and the device's: a run on the spot counts them. Set-up is recorded already. The counter
 // "listed_fragments" says so.

@@ -154,8 +154,11 @@ void Frontend::prepare(std::uint32_t samples) {
   pieces_ = totals.y;
   hulls_ = totals.z;
   small_count_ = totals.w;
-  small_tested_ = static_cast<std::uint64_t>(std::ranges::count_if(
-      counts_.as<std::uint32_t>(), [](std::uint32_t count) { return (count & COUNT_SMALL_TESTED) != 0; }));
+  small_tested_ = small_blocks_ = 0;
+  for (const std::uint32_t count : counts_.as<std::uint32_t>()) {
+    small_tested_ += (count & COUNT_SMALL_TESTED) != 0 ? 1 : 0;
+    if ((count & COUNT_SMALL) != 0) small_blocks_ += count >> COUNT_BLOCKS_SHIFT & COUNT_BLOCKS_MASK;
+  }
   records_ = gpu::Buffer(device_, "triangle records", (slots + pieces_) * sizeof(gpu_types::TriangleRecord));
   hull_indices_ = gpu::Buffer(device_, "hull indices", hull_triangles_ * 3 * sizeof(std::uint32_t));
   visible_indices_ = gpu::Buffer(device_, "visible hull indices", hull_triangles_ * 3 * sizeof(std::uint32_t));

@@ -45,10 +45,12 @@ class Frontend {
   // and alpha.
   std::uint64_t count_fragments(bool visible, std::uint32_t width, std::uint32_t height);
 
-  // Triangles so small that a pass does better to rasterise them in compute (COUNT_SMALL_ bits): how many, known from
+  // Triangles so small that passes do better to find their pixels in compute (COUNT_SMALL_ bits): how many, known from
   // prepare(); where their records are listed, in submission order, once the passes named `name` have run. Alpha-tested
   // ones on demand.
   std::uint64_t small_count(bool with_tested = false) const { return small_count_ + (with_tested ? small_tested_ : 0); }
+  // Blocks of pixels in the bounding boxes of the opaque ones, all together.
+  std::uint64_t small_blocks() const { return small_blocks_; }
   void record_small_list(gpu::PassRecorder& recorder, const std::string& name, bool with_tested = false);
   gpu::Buffer& small_records() { return small_records_; }
 
@@ -94,7 +96,8 @@ class Frontend {
   GpuScene& scene_;
   std::uint32_t samples_ = 0;
   std::uint32_t chunk_count_ = 0;
-  std::uint64_t hulls_ = 0, hull_triangles_ = 0, clipped_ = 0, pieces_ = 0, small_count_ = 0, small_tested_ = 0;
+  std::uint64_t hulls_ = 0, hull_triangles_ = 0, clipped_ = 0, pieces_ = 0, small_count_ = 0, small_tested_ = 0,
+                small_blocks_ = 0;
   std::vector<Batch> material_batches_, visibility_batches_;
   gpu::Buffer chunks_, clip_matrices_, counts_, clip_list_, clip_count_, sums_, piece_bases_, records_, hull_indices_;
   gpu::Buffer rest_sums_, rest_indices_, rest_commands_, small_records_;

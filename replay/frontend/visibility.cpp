@@ -1,14 +1,19 @@
 #include "replay/frontend/visibility.hpp"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 
-#include "replay/frontend/fragment_lists.hpp"
+#include "replay/frontend/list_passes.hpp"
 #include "shaders/frontend/frontend_types.h"
 
 namespace subpixel::replay {
 namespace {
 
 constexpr VkFormat kTexel = VK_FORMAT_R32G32B32A32_UINT;
+constexpr const char* kPass = "visibility";
+// Entries of a list for devices that end long loops (runs_long_loops()): an entry takes up to two turns.
+constexpr std::uint64_t kMostEntries = 30'000;
 
 // Layers of the image that group `g` has, its depths before its triangles.
 struct Layers {
@@ -18,59 +23,94 @@ Layers layers_of(std::uint32_t group, std::uint32_t g) {
   return group < 4 ? Layers{0, 1} : Layers{g * group / 2, group / 2};
 }
 
-// Keys carry a pixel through compute and back, which costs about what the hulls of 1/32 as many triangles do.
-bool small_in_compute(const FrameSetup& setup, SmallTriangles small) {
-  if (small != SmallTriangles::automatic) return small == SmallTriangles::in_compute;
-  return 32 * setup.frontend.small_count() > std::uint64_t{setup.width} * setup.height;
+// Lists of the small triangles that may touch each block of pixels (list_small.comp).
+struct SmallLists {
+  gpu::Buffer *triangles, *ends, *listed;
+};
+
+std::uint32_t block_count(const FrameSetup& setup) {
+  return (setup.width + 3) / 4 * ((setup.height + 1) / 2);
 }
 
-gpu::Buffer& keys_buffer(gpu::PassRecorder& recorder, const FrameSetup& setup, std::uint32_t group) {
-  return recorder.buffer("visibility keys", std::uint64_t{setup.width} * setup.height * group * sizeof(std::uint64_t));
-}
-
-// Small triangles of sample group `g` into the image.
-void record_small_triangles(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& image, gpu::Buffer& keys,
-                            std::uint32_t group, std::uint32_t g) {
+SmallLists record_small_lists(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   Frontend& frontend = setup.frontend;
-  const std::string variant = std::to_string(group);
-  recorder.fill("visibility", keys, 0);
-  const auto groups = static_cast<std::uint32_t>((frontend.small_count() + 63) / 64);
-  const std::uint32_t runs = device_runs();
+  const std::uint32_t blocks = block_count(setup), block_groups = groups_of(blocks);
+  SmallLists lists{&recorder.buffer("small triangles", frontend.small_count() * sizeof(gpu_types::SmallTriangle)),
+                   &recorder.buffer("block list ends", std::uint64_t{blocks} * 4),
+                   // One more than are listed: visibility_small.frag reads ahead.
+                   &recorder.buffer("block lists", (frontend.small_blocks() + 1) * 4)};
+  gpu::Buffer& sums = recorder.buffer("block list sums", (std::uint64_t{block_groups} + 1) * 16);
+  frontend.record_small_list(recorder, kPass);
+  recorder.fill(kPass, *lists.ends, 0);
+
+  const std::uint32_t groups = groups_of(frontend.small_count()), runs = device_runs();
   struct {
-    std::uint64_t records, keys;
+    std::uint64_t records;
     std::uint32_t count, groups, runs, width, height;
   } const push{frontend.records().address(),
-               keys.address(),
                static_cast<std::uint32_t>(frontend.small_count()),
                groups,
                runs,
                setup.width,
                setup.height};
-  gpu::ComputePass rasterise;
-  rasterise.name = "visibility";
-  rasterise.shader = "frontend/small.comp:" + variant;
-  rasterise.constants = frontend.constants();
-  rasterise.constants.emplace_back(4, g);
-  rasterise.bindings = {gpu::reads(0, frontend.small_records())};
-  rasterise.by_address = {&frontend.records(), &keys};
-  rasterise.push = gpu::PushConstants(push);
-  rasterise.groups = {(groups + runs - 1) / runs * runs, 1, 1};
-  recorder.compute(std::move(rasterise));
+  gpu::ComputePass list;
+  list.name = kPass;
+  list.shader = "frontend/list_small.comp:COUNT";
+  list.bindings = {gpu::reads(0, frontend.small_records()), gpu::writes(1, *lists.triangles),
+                   gpu::writes(2, *lists.ends)};
+  list.by_address = {&frontend.records()};
+  list.push = gpu::PushConstants(push);
+  list.groups = {(groups + runs - 1) / runs * runs, 1, 1};
+  recorder.compute(list);
+  record_bases(recorder, kPass, *lists.ends, sums, blocks);
+  list.shader = "frontend/list_small.comp:STORE";
+  list.bindings.push_back(gpu::writes(3, *lists.listed));
+  recorder.compute(std::move(list));
+  return lists;
+}
 
-  struct {
-    std::uint64_t keys;
-    std::uint32_t width, height;
-  } const store_push{keys.address(), setup.width, setup.height};
-  gpu::RasterPass store;
-  store.name = "visibility";
-  store.pipeline.vertex = "shade/fullscreen.vert";
-  store.pipeline.fragment = "frontend/store_keys.frag:" + variant;
-  store.by_address = {&keys};
-  store.push = gpu::PushConstants(store_push);
+// Does a block's list outgrow the loops of the device? Lists are counted only where that is possible.
+bool lists_too_long(const FrameSetup& setup) {
+  Frontend& frontend = setup.frontend;
+  if (frontend.small_count() < kMostEntries || runs_long_loops(frontend.device())) return false;
+  gpu::PassRecorder counting(frontend.device());
+  frontend.record_setup(counting);
+  const SmallLists lists = record_small_lists(counting, setup);
+  counting.run();
+  const auto ends = lists.ends->as<std::uint32_t>();
+  std::uint32_t longest = ends[0];
+  for (std::uint32_t block = 1; block < block_count(setup); ++block)
+    longest = std::max(longest, ends[block] - ends[block - 1]);
+  return longest >= kMostEntries;
+}
+
+// Lists cost about what the hulls of 1/32 as many triangles as pixels do.
+bool small_in_lists(const FrameSetup& setup, SmallTriangles small) {
+  if (small != SmallTriangles::automatic) return small == SmallTriangles::in_lists;
+  Frontend& frontend = setup.frontend;
+  const std::uint64_t range = frontend.device().info().max_storage_buffer_range;
+  return 32 * frontend.small_count() > std::uint64_t{setup.width} * setup.height &&
+         frontend.small_count() * sizeof(gpu_types::SmallTriangle) <= range &&
+         (frontend.small_blocks() + 1) * 4 <= range && !lists_too_long(setup);
+}
+
+// Small triangles of sample group `g` into the image.
+void record_small_triangles(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& image,
+                            const SmallLists& lists, std::uint32_t group, std::uint32_t g) {
+  const std::array<std::uint32_t, 3> push{static_cast<std::uint32_t>(setup.frontend.small_count()), setup.width,
+                                          setup.height};
+  gpu::RasterPass pass;
+  pass.name = kPass;
+  pass.pipeline.vertex = "shade/fullscreen.vert";
+  pass.pipeline.fragment = "frontend/visibility_small.frag:" + std::to_string(group);
+  pass.pipeline.constants = setup.frontend.constants();
+  pass.pipeline.constants.emplace_back(4, g);
+  pass.bindings = {gpu::reads(0, *lists.triangles), gpu::reads(1, *lists.ends), gpu::reads(2, *lists.listed)};
+  pass.push = gpu::PushConstants(push);
   const Layers layers = layers_of(group, g);
-  for (std::uint32_t i = 0; i < layers.count; ++i) store.colours.emplace_back(image, layers.first + i);
-  store.pipeline.targets.colours.assign(layers.count, kTexel);
-  recorder.raster(std::move(store));
+  for (std::uint32_t i = 0; i < layers.count; ++i) pass.colours.emplace_back(image, layers.first + i);
+  pass.pipeline.targets.colours.assign(layers.count, kTexel);
+  recorder.raster(std::move(pass));
 }
 
 }  // namespace
@@ -86,23 +126,23 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& set
   gpu::Image& image = recorder.image(
       {"visibility", kTexel, setup.width, setup.height, 1, layers, VK_SAMPLE_COUNT_1_BIT,
        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
-  gpu::Buffer* const keys = small_in_compute(setup, small) ? &keys_buffer(recorder, setup, group) : nullptr;
-  if (keys) setup.frontend.record_small_list(recorder, "visibility");
+  std::optional<SmallLists> lists;
+  if (small_in_lists(setup, small)) lists = record_small_lists(recorder, setup);
   constexpr std::uint32_t kNone = SUBPIXEL_NO_TRIANGLE;
   for (std::uint32_t g = 0; g < setup.samples / group; ++g) {
-    if (keys) record_small_triangles(recorder, setup, image, *keys, group, g);
+    if (lists) record_small_triangles(recorder, setup, image, *lists, group, g);
     Frontend::GeometryPass geometry;
-    geometry.without_small = keys != nullptr;
+    geometry.without_small = lists.has_value();
     gpu::RasterPass& pass = geometry.pass;
-    pass.name = "visibility";
+    pass.name = kPass;
     const std::string variant = std::to_string(group);
     geometry.fragment_opaque = "frontend/visibility.frag:" + variant;
     geometry.fragment_alpha = "frontend/visibility.frag:" + variant + "A";
     pass.pipeline.constants = common_constants(setup);
     pass.pipeline.constants.emplace_back(4, g);
     pass.pipeline.targets.ordered_read = true;
-    pass.pipeline.constants.emplace_back(7, keys ? 1 : 0);
-    pass.pipeline.targets.clear = !keys;
+    pass.pipeline.constants.emplace_back(7, lists ? 1 : 0);
+    pass.pipeline.targets.clear = !lists;
     if (quads == 0) {
       pass.colours = {{image, 0}};
       pass.clear_colours = {{0, group == 1 ? kNone : 0, kNone, kNone}};

@@ -7,7 +7,7 @@ namespace subpixel::replay {
 
 // How triangles of a few pixels are rasterised. All ways leave the same bits; `automatic` takes the faster by their
 // number.
-enum class SmallTriangles { automatic, as_hulls, in_compute };
+enum class SmallTriangles { automatic, as_hulls, in_lists };
 
 // Records the passes, named "visibility", and the front-end's compaction to visible triangles; returns the image
 // (RGBA32UI array, layers as shaders/include/visibility.glsl reads them). `samples` is 1, 2, 4, 8, 16, 32 or 64 and

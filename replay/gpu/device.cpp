@@ -119,8 +119,10 @@ bool has_pixel_interlock(VkPhysicalDevice physical) {
 }
 
 std::vector<std::string> missing_needs(VkPhysicalDevice physical) {
-  VkPhysicalDeviceProperties properties;
-  vkGetPhysicalDeviceProperties(physical, &properties);
+  VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+  VkPhysicalDeviceProperties2 both{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroups};
+  vkGetPhysicalDeviceProperties2(physical, &both);
+  const VkPhysicalDeviceProperties& properties = both.properties;
   if (properties.apiVersion < VK_API_VERSION_1_3) return {"Vulkan 1.3"};
   std::vector<std::string> missing;
   for (const char* wanted : kRequiredExtensions)
@@ -130,6 +132,10 @@ std::vector<std::string> missing_needs(VkPhysicalDevice physical) {
   for (const auto& need : kNeeds)
     if (!need.get(available)) missing.emplace_back(need.name);
   if (properties.limits.maxColorAttachments < 8) missing.emplace_back("8 colour attachments");
+  constexpr VkSubgroupFeatureFlags kSubgroups = VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT;
+  if ((subgroups.supportedOperations & kSubgroups) != kSubgroups ||
+      (subgroups.supportedStages & VK_SHADER_STAGE_FRAGMENT_BIT) == 0)
+    missing.emplace_back("votes and ballots in subgroups of fragments");
   return missing;
 }
 

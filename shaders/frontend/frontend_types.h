@@ -45,16 +45,26 @@ struct TriangleRecord {
 #define RECORD_HUGE 8u   // over SUBPIXEL_LARGE_PX
 #define RECORD_MATERIAL_SHIFT 4
 // Screen triangles whose samples lie in no more pixels than this are small: passes may rasterise them in compute.
-#define SUBPIXEL_SMALL_TRIANGLE_PX 128.0
-// What set-up says of a triangle's slot: how many triangles its hull has, or how many clipped pieces there are.
+#define SUBPIXEL_SMALL_TRIANGLE_PX 512.0
+// What set-up says of a triangle's slot: how many triangles its hull has, or how many clipped pieces there are; of a small one
+// also how many blocks (small_triangles.glsl) its bounding box touches, at most 16 x 31.
 #define COUNT_CLIPPED 0x80000000u
 #define COUNT_SMALL 0x40000000u         // opaque
 #define COUNT_SMALL_TESTED 0x20000000u  // alpha-tested
-#define COUNT_MASK 0x1fffffffu
+#define COUNT_BLOCKS_SHIFT 4
+#define COUNT_BLOCKS_MASK 0x3ffu
+#define COUNT_MASK 0xfu
 #define SUBPIXEL_SMALL_PX 60
 #define SUBPIXEL_LARGE_PX 4000
 
+// What the lists by block need of a small triangle.
+struct SmallTriangle {
+  uvec4 v01, v2_ref, depth;  // as in TriangleRecord
+  uvec4 depth2_id;           // depth2.x of TriangleRecord; then the record's number
+};
+
 #ifdef __cplusplus
+static_assert(sizeof(SmallTriangle) == 64);
 static_assert(sizeof(ChunkRecord) == 32);
 static_assert(sizeof(TriangleRecord) == 96);
 }  // namespace subpixel::gpu_types

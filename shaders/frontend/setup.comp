@@ -4,7 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 // Sets up every triangle of the frame: one workgroup for each chunk, one invocation for each triangle.
 // Reads: chunks, instance clip matrices, indices, positions. Writes: the record at the triangle's own slot and how many
-// triangles its hull has, with COUNT_SMALL or COUNT_SMALL_TESTED; triangles that cross a clip plane go to the list of the clipping pass.
+// triangles its hull has, with COUNT_ bits; triangles that cross a clip plane go to the list of the clipping pass.
 layout(local_size_x = 64) in;
 #include "frontend/setup.glsl"
 #include "frontend/geometry.glsl"
@@ -54,7 +54,7 @@ void main() {
     bool small = (record.v2_ref.w & (RECORD_LARGE | RECORD_HUGE)) == 0u &&
                  pixels_reached(record) <= SUBPIXEL_SMALL_TRIANGLE_PX;
     uint kind = (chunk.flags.x & CHUNK_ALPHA_TEST) == 0u ? COUNT_SMALL : COUNT_SMALL_TESTED;
-    count |= count != 0u && small ? kind : 0u;
+    count |= count != 0u && small ? kind | blocks_reached(record) << COUNT_BLOCKS_SHIFT : 0u;
   }
   if (visible && !whole) {
     clip_slots[atomicAdd(clip_count, 1u)] = slot;

@@ -5,6 +5,7 @@
 
 #include "include/frame.glsl"
 #include "include/coverage.glsl"
+#include "frontend/small_triangles.glsl"
 
 layout(constant_id = 0) const uint SAMPLES = 8u;
 
@@ -118,9 +119,8 @@ uint set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, o
     area = -area;
   }
 
-  // Pixels that can hold a covered sample: a sample is less than half a pixel (and 1/128) from its pixel's centre.
-  ivec2 low = min(min(v0, v1), v2), high = max(max(v0, v1), v2);
-  ivec2 first = max((low - 1) >> 8, ivec2(0)), last = min((high + 1) >> 8, ivec2(frame.viewport.xy) - 1);
+  ivec2 low = min(min(v0, v1), v2), high = max(max(v0, v1), v2), first, last;
+  cells_in_reach(v0, v1, v2, ivec2(frame.viewport.xy), kPixelCell, first, last);
   alive = alive && all(lessThanEqual(first, last));
 
   int size = max(high.x - low.x, high.y - low.y);
@@ -173,6 +173,15 @@ float pixels_reached(TriangleRecord record) {
   float area = 0.5 * abs((v1.x - v0.x) * (v2.y - v0.y) - (v2.x - v0.x) * (v1.y - v0.y));
   float across = 2.0 * sample_reach();
   return area + across * (size.x + size.y) + across * across;
+}
+
+// Blocks of the bounding box of a small triangle.
+uint blocks_reached(TriangleRecord record) {
+  ivec2 first, last;
+  cells_in_reach(ivec2(record.v01.xy), ivec2(record.v01.zw), ivec2(record.v2_ref.xy), ivec2(frame.viewport.xy), kBlockCell, first,
+                 last);
+  ivec2 extent = last - first + 1;
+  return uint(extent.x * extent.y);
 }
 
 // Signed distances to the six clip planes: near (reversed depth: z <= w), far (z >= 0), and the guard band.

@@ -54,7 +54,7 @@ TEST(Fragments, EqualTheHostsCountOnRandomTriangles) {
     triangles.push_back(t);
   }
   for (const std::uint32_t samples : {1u, 4u, 64u})
-    for (const auto small : {SmallTriangles::in_compute, SmallTriangles::as_hulls}) {
+    for (const auto small : {SmallTriangles::in_lists, SmallTriangles::as_hulls}) {
       FrontendRun run(test_device(), screen_capture(triangles, kWidth, kHeight), kWidth, kHeight, samples, small);
       run.run();
       std::set<std::uint32_t> seen;
