@@ -11,9 +11,9 @@ using glm::vec4;
 
 struct StreamTestFragment {
   vec4 plane;   // reversed depth: at the pixel's centre, dz/dx, dz/dy, smallest of the triangle
-  vec4 depth;   // the surface's depth and its slopes; w: largest reversed depth of the triangle
+  vec4 depth;   // the surface's depth and its slopes, if they are not packed; w: largest reversed depth of the triangle
   uvec4 words;  // coverage, albedo, normal, roughness
-  uvec4 more;   // emission
+  uvec4 more;   // emission; of a frame's fragments, packed slopes and pixel x | y << 16
 };
 
 #ifdef __cplusplus

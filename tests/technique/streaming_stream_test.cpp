@@ -5,9 +5,8 @@
 
 #include "replay/gpu/pass_recorder.hpp"
 #include "shaders/include/shared_types.h"
-#include "shaders/tests/streaming_test_types.h"
 #include "tests/technique/scene_device_fixture.hpp"
-#include "tests/technique/streaming_words.hpp"
+#include "tests/technique/streaming_comparison.hpp"
 
 namespace subpixel::streaming_test {
 namespace {
@@ -16,7 +15,7 @@ using gpu_types::StreamTestFragment;
 
 struct Case {
   Options options;
-  bool varying_roughness = false;
+  bool varying_roughness = false, emissive = false;
   std::uint32_t pixels = 2000;
 };
 
@@ -64,6 +63,11 @@ Streams random_streams(const Case& wanted, std::uint32_t seed) {
                         encode_normal({f.normal.x + tilt * (unit() - 0.5f), f.normal.y + tilt * (unit() - 0.5f),
                                        f.normal.z + tilt * (unit() - 0.5f)}),
                         bits() & 255u};
+      // From what is below the smallest exponent to what is above the largest; a quarter emits nothing.
+      if (wanted.emissive && below(4) != 0) {
+        const float brightest = std::exp2(40 * unit() - 20);
+        fragment.more.x = encode_emission({brightest * unit(), brightest * unit(), brightest});
+      }
       streams.fragments.push_back(fragment);
     }
   }
@@ -84,11 +88,13 @@ std::vector<std::uint32_t> run_on_device(const Case& wanted, const WordLayout& l
       (o.merge_normals ? STREAM_MERGE_NORMALS : 0u) | (o.merge_depth ? STREAM_MERGE_DEPTH : 0u) |
       (o.merge_coverage ? STREAM_MERGE_COVERAGE : 0u) | (o.weight_by_coverage ? STREAM_WEIGHT_COVERAGE : 0u) |
       (o.depth_tested ? STREAM_DEPTH_TESTED : 0u);
+  const std::uint32_t features = FEATURE_METAL | (wanted.varying_roughness ? FEATURE_VARYING_ROUGHNESS : 0u) |
+                                 (wanted.emissive ? FEATURE_EMISSIVE : 0u);
   gpu::ComputePass pass;
   pass.name = "stream";
   pass.shader = "tests/streaming_stream.comp";
   pass.constants = {{0, o.samples},
-                    {1, wanted.varying_roughness ? FEATURE_VARYING_ROUGHNESS | FEATURE_METAL : FEATURE_METAL},
+                    {1, features},
                     {10, o.surfaces},
                     {11, std::bit_cast<std::uint32_t>(o.cos_normal_angle)},
                     {12, options}};
@@ -100,54 +106,22 @@ std::vector<std::uint32_t> run_on_device(const Case& wanted, const WordLayout& l
   return {words.begin(), words.end()};
 }
 
-struct Totals {
-  std::uint64_t merges = 0, dropped = 0, flags = 0, full = 0;
-  Totals& operator+=(const Totals& more) {
-    merges += more.merges;
-    dropped += more.dropped;
-    flags += more.flags;
-    full += more.full;
-    return *this;
+// The same fragments for the transcription.
+PixelStreams given_to_paper(const Streams& streams, const WordLayout& layout) {
+  PixelStreams given;
+  for (const StreamTestFragment& f : streams.fragments) {
+    const std::uint32_t slopes = to_half(f.depth.y) | std::uint32_t{to_half(f.depth.z)} << 16;
+    given.fragments.push_back(stream_fragment(f, slopes, layout));
   }
-};
+  for (const glm::uvec2& range : streams.ranges) given.ends.push_back(range.x + range.y);
+  return given;
+}
 
-// Bit for bit: every surface, the depth buffer, order, flag and counts of every pixel.
 Totals expect_same_surfaces(const Case& wanted, std::uint32_t seed) {
   const Streams streams = random_streams(wanted, seed);
-  const WordLayout layout{wanted.options.samples, wanted.options.surfaces, wanted.varying_roughness, false};
-  const std::vector<std::uint32_t> words = run_on_device(wanted, layout, streams);
-  Totals totals;
-  std::uint32_t wrong = 0;
-  for (std::size_t i = 0; i < streams.ranges.size(); ++i) {
-    Compressor paper(wanted.options);
-    for (std::uint32_t k = 0; k < streams.ranges[i].y; ++k) {
-      const StreamTestFragment& f = streams.fragments[streams.ranges[i].x + k];
-      Surface s;
-      s.depth = f.depth.x;
-      s.slope_x = to_half(f.depth.y);
-      s.slope_y = to_half(f.depth.z);
-      s.coverage = f.words.x;
-      for (std::size_t c = 0; c < 4; ++c) s.albedo[c] = static_cast<std::uint8_t>(f.words.y >> (8 * c));
-      s.normal = f.words.z;
-      s.roughness = layout.keeps_roughness() ? static_cast<std::uint8_t>(f.words.w) : 0;
-      paper.add({f.plane.x, f.plane.y, f.plane.z, f.plane.w, f.depth.w}, s);
-    }
-    const Pixel& expected = paper.pixel();
-    const std::size_t stride = layout.quads() * 4;
-    const Pixel device = read_state(layout, std::span(words).subspan(i * stride, stride));
-    const bool same = device.surfaces == expected.surfaces && device.depth_buffer == expected.depth_buffer &&
-                      device.discarded == expected.discarded && device.merges == expected.merges &&
-                      device.dropped_samples == expected.dropped_samples;
-    if (!same && ++wrong == 1)
-      std::printf("first difference: pixel %zu of %u fragments: %zu and %zu surfaces\n", i, streams.ranges[i].y,
-                  device.surfaces.size(), expected.surfaces.size());
-    totals.merges += expected.merges;
-    totals.dropped += expected.dropped_samples;
-    totals.flags += expected.discarded;
-    totals.full += expected.surfaces.size() == wanted.options.surfaces;
-  }
-  EXPECT_EQ(wrong, 0u) << "of " << streams.ranges.size() << " pixels";
-  return totals;
+  const WordLayout layout{wanted.options.samples, wanted.options.surfaces, wanted.varying_roughness, wanted.emissive};
+  return expect_same_surfaces(wanted.options, layout, given_to_paper(streams, layout),
+                              run_on_device(wanted, layout, streams));
 }
 
 TEST(StreamingStream, LeavesTheSurfacesOfThePaperOn100000Pixels) {
@@ -173,6 +147,7 @@ TEST(StreamingStream, AgreesForEveryNumberOfSurfacesAndSamples) {
       wanted.options.samples = samples;
       wanted.options.surfaces = surfaces;
       wanted.varying_roughness = surfaces % 2 == 0;
+      wanted.emissive = surfaces > 2;
       for (const bool depth_tested : {false, true}) {
         wanted.options.depth_tested = depth_tested;
         expect_same_surfaces(wanted, seed++);

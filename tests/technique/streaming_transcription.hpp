@@ -70,6 +70,24 @@ inline std::uint32_t encode_normal(Vector n) {
   return component(x) | std::uint32_t{component(y)} << 16;
 }
 
+// Red, green and blue with 9 bits each and one exponent of 5 (EXT_texture_shared_exponent).
+inline Vector decode_emission(std::uint32_t word) {
+  const int exponent = static_cast<int>(word >> 27) - 24;
+  const auto component = [&](std::uint32_t bits) { return std::ldexp(static_cast<float>(bits & 511u), exponent); };
+  return {component(word), component(word >> 9), component(word >> 18)};
+}
+
+inline std::uint32_t encode_emission(Vector c) {
+  const auto range = [](float v) { return std::clamp(v, 0.0f, 65408.0f); };
+  const float largest = std::max({range(c.x), range(c.y), range(c.z)});
+  int exponent = largest > 0 ? std::max(-16, std::ilogb(largest)) + 16 : 0;
+  const auto component = [&](float v) {
+    return static_cast<std::uint32_t>(std::floor(std::ldexp(range(v), 24 - exponent) + 0.5f));
+  };
+  if (component(largest) == 512) ++exponent;
+  return component(c.x) | component(c.y) << 9 | component(c.z) << 18 | static_cast<std::uint32_t>(exponent) << 27;
+}
+
 struct Surface {
   float depth = 0;  // grows away from the eye
   std::uint16_t slope_x = 0, slope_y = 0;
@@ -77,6 +95,7 @@ struct Surface {
   std::array<std::uint8_t, 4> albedo{};  // square roots of red, green and blue; metallic
   std::uint32_t normal = 0;
   std::uint8_t roughness = 0;
+  std::uint32_t emission = 0;
   auto operator<=>(const Surface&) const = default;
 
   float nearest() const { return depth - (std::fabs(from_half(slope_x)) + std::fabs(from_half(slope_y))); }
@@ -101,6 +120,7 @@ struct Pixel {
   std::vector<Surface> surfaces;  // front to back
   bool discarded = false;
   std::uint32_t merges = 0, dropped_samples = 0;
+  bool operator==(const Pixel&) const = default;
 };
 
 class Compressor {
@@ -183,6 +203,8 @@ class Compressor {
     const Vector n = decode_normal(a.normal), k = decode_normal(b.normal);
     m.normal = encode_normal({n.x * wa + k.x * wb, n.y * wa + k.y * wb, n.z * wa + k.z * wb});
     m.roughness = mean(a.roughness, b.roughness);
+    const Vector e = decode_emission(a.emission), g = decode_emission(b.emission);
+    m.emission = encode_emission({e.x * wa + g.x * wb, e.y * wa + g.y * wb, e.z * wa + g.z * wb});
     return m;
   }
 

@@ -45,6 +45,7 @@ inline Pixel read_state(const WordLayout& layout, std::span<const std::uint32_t>
     }
     for (std::size_t i = 0; i < 4; ++i) s.albedo[i] = static_cast<std::uint8_t>(w[3] >> (8 * i));
     s.normal = w[4];
+    if (layout.emissive) s.emission = w[layout.surface_words() - 1];
     pixel.surfaces.push_back(s);
   }
   return pixel;
