@@ -1,6 +1,8 @@
 // Streaming G-buffer compression: one ordered geometry pass keeps up to S surfaces a pixel, merging fragments of one
 // feature and discarding what the array can't hold; the resolve finds each sample's surface and lights those that show.
 // Kerzner and Salvi, "Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing", High-Performance Graphics 2014.
+#include "replay/techniques/streaming.hpp"
+
 #include <fmt/format.h>
 
 #include <bit>
@@ -211,18 +213,6 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Sta
   });
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  setup.frontend.record_setup(recorder);
-  const auto lists = record_fragment_lists(recorder, setup, "collect", ListedMasks::collected);
-  const State state = make_state(recorder, setup, lists.has_value());
-  if (lists)
-    record_list_compression(recorder, setup, *lists, state);
-  else
-    record_compression(recorder, setup, state);
-  record_shading(recorder, setup, state);
-  record_maps(recorder, setup, state);
-}
-
 Parameter surfaces_parameter() {
   Parameter p;
   p.name = "surfaces";
@@ -246,6 +236,19 @@ Parameter normal_angle_parameter() {
 }
 
 }  // namespace
+
+StreamingState record_streaming(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  setup.frontend.record_setup(recorder);
+  const auto lists = record_fragment_lists(recorder, setup, "collect", ListedMasks::collected);
+  const State state = make_state(recorder, setup, lists.has_value());
+  if (lists)
+    record_list_compression(recorder, setup, *lists, state);
+  else
+    record_compression(recorder, setup, state);
+  record_shading(recorder, setup, state);
+  record_maps(recorder, setup, state);
+  return {state.image, state.words};
+}
 
 extern const Technique kStreaming;
 
@@ -272,6 +275,6 @@ const Technique kStreaming{
      {"surfaces", "Surfaces stored", "surfaces", 4},
      {"order_errors", "Surfaces out of order", "surfaces", 4}},
     layout,
-    record};
+    [](gpu::PassRecorder& recorder, const FrameSetup& setup) { record_streaming(recorder, setup); }};
 
 }  // namespace subpixel::replay
