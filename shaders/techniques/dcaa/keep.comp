@@ -21,10 +21,29 @@ layout(push_constant, scalar) uniform Push {
   uint width, height;
 } push;
 
-DepthPlane listed_plane(uint record, ivec2 pixel) {
-  uvec4 depth = push.records.record[record].depth;
-  uint depth2 = push.records.record[record].depth2.x, reference = push.records.record[record].v2_ref.z;
-  return depth_plane(depth, depth2, ivec2(reference & 0xffffu, reference >> 16), pixel);
+// What a turn of the loops below needs of a fragment. It is read a turn ahead, the number and the fragment two: each takes as long as
+// memory does.
+struct Ahead {
+  uint number;
+  uvec4 fragment;
+};
+struct Planes {
+  uvec4 depth;
+  uint depth2, reference;
+};
+
+Ahead read_ahead(uint i, uint end) {
+  uint number = push.lists.numbers.number[min(i, end - 1u)];
+  return Ahead(number, push.lists.fragments.fragment[number]);
+}
+
+Planes read_planes(uint record) {
+  record = record == kNothing ? 0u : record;
+  return Planes(push.records.record[record].depth, push.records.record[record].depth2.x, push.records.record[record].v2_ref.z);
+}
+
+DepthPlane listed_plane(Planes p, ivec2 pixel) {
+  return depth_plane(p.depth, p.depth2, ivec2(p.reference & 0xffffu, p.reference >> 16), pixel);
 }
 
 uvec2 listed_mask(uint record, ivec2 pixel) {
@@ -40,34 +59,47 @@ void main() {
   sort_list(push.lists.numbers, range.x, range.y);
 
   DepthBound b = DepthBound(vec3(0.0), vec3(0.0), uvec2(0u));
-  for (uint i = dcaa_option(DCAA_PREPASS) ? range.x : range.y; i < range.y; ++i) {
-    uint number = push.lists.numbers.number[i];
-    uvec4 fragment = push.lists.fragments.fragment[number];
-    vec3 own = vec3(0.0);
-    for (bool there = fragment.x != kNothing; there; there = false) own = farthest_plane(listed_plane(fragment.x, pixel));
-    // Loops are skipped when no lane needs them.
-    for (bool helps = fragment.x != kNothing && own.x > b.bound.x; helps; helps = false) {
-      uvec2 mask = fragment.zw;
-      for (bool missing = mask == uvec2(0u); missing; missing = false) {
-        mask = listed_mask(fragment.x, pixel);
-        push.lists.fragments.fragment[number] = uvec4(mask == uvec2(0u) ? kNothing : fragment.x, fragment.y, mask);
+  for (bool go = dcaa_option(DCAA_PREPASS) && range.x < range.y; go; go = false) {
+    Ahead first = read_ahead(range.x, range.y), second = read_ahead(range.x + 1u, range.y);
+    Planes planes = read_planes(first.fragment.x);
+    for (uint i = range.x; i < range.y; ++i) {
+      uint number = first.number;
+      uvec4 fragment = first.fragment;
+      DepthPlane plane = listed_plane(planes, pixel);
+      planes = read_planes(second.fragment.x);
+      first = second;
+      second = read_ahead(i + 2u, range.y);
+      vec3 own = farthest_plane(plane);
+      // Loops are skipped when no lane needs them.
+      for (bool helps = fragment.x != kNothing && own.x > b.bound.x; helps; helps = false) {
+        uvec2 mask = fragment.zw;
+        for (bool missing = mask == uvec2(0u); missing; missing = false) {
+          mask = listed_mask(fragment.x, pixel);
+          push.lists.fragments.fragment[number] = uvec4(mask == uvec2(0u) ? kNothing : fragment.x, fragment.y, mask);
+        }
+        for (bool covers_some = mask != uvec2(0u); covers_some; covers_some = false) gather_bound(b, own, mask, kWholePixel);
       }
-      for (bool covers_some = mask != uvec2(0u); covers_some; covers_some = false) gather_bound(b, own, mask, kWholePixel);
     }
   }
 
   uint place = range.x;
-  for (uint i = range.x; i < range.y; ++i) {
-    uint number = push.lists.numbers.number[i];
-    uvec4 fragment = push.lists.fragments.fragment[number];
-    bool keeps = false;
-    for (bool there = fragment.x != kNothing; there; there = false) keeps = may_show(listed_plane(fragment.x, pixel), b.bound);
-    uvec2 mask = fragment.zw;
-    for (bool missing = keeps && mask == uvec2(0u); missing; missing = false) mask = listed_mask(fragment.x, pixel);
-    if (keeps && mask != uvec2(0u)) {
-      push.lists.fragments.fragment[number] = uvec4(fragment.x | kKept, fragment.y, mask);
-      push.lists.numbers.number[place] = number;
-      ++place;
+  for (bool go = range.x < range.y; go; go = false) {
+    Ahead first = read_ahead(range.x, range.y), second = read_ahead(range.x + 1u, range.y);
+    Planes planes = read_planes(first.fragment.x);
+    for (uint i = range.x; i < range.y; ++i) {
+      uint number = first.number;
+      uvec4 fragment = first.fragment;
+      bool keeps = fragment.x != kNothing && may_show(listed_plane(planes, pixel), b.bound);
+      planes = read_planes(second.fragment.x);
+      first = second;
+      second = read_ahead(i + 2u, range.y);
+      uvec2 mask = fragment.zw;
+      for (bool missing = keeps && mask == uvec2(0u); missing; missing = false) mask = listed_mask(fragment.x, pixel);
+      if (keeps && mask != uvec2(0u)) {
+        push.lists.fragments.fragment[number] = uvec4(fragment.x | kKept, fragment.y, mask);
+        push.lists.numbers.number[place] = number;
+        ++place;
+      }
     }
   }
   push.kept.kept[p] = place - range.x;
