@@ -21,30 +21,10 @@ layout(push_constant, scalar) uniform Push {
   uint width, height;
 } push;
 
-// What a turn of the loops below needs of a fragment. It is read a turn ahead, the number and the fragment two: each takes as long as
-// memory does.
-struct Ahead {
-  uint number;
-  uvec4 fragment;
-};
-struct Planes {
-  uvec4 depth;
-  uint depth2, reference;
-};
+#include "frontend/read_ahead.glsl"
 
-Ahead read_ahead(uint i, uint end) {
-  uint number = push.lists.numbers.number[min(i, end - 1u)];
-  return Ahead(number, push.lists.fragments.fragment[number]);
-}
-
-Planes read_planes(uint record) {
-  record = record == kNothing ? 0u : record;
-  return Planes(push.records.record[record].depth, push.records.record[record].depth2.x, push.records.record[record].v2_ref.z);
-}
-
-DepthPlane listed_plane(Planes p, ivec2 pixel) {
-  return depth_plane(p.depth, p.depth2, ivec2(p.reference & 0xffffu, p.reference >> 16), pixel);
-}
+// Of a fragment that covers nothing, any.
+RecordDepth fragment_record_depth(uint record) { return record_depth(record == kNothing ? 0u : record); }
 
 uvec2 listed_mask(uint record, ivec2 pixel) {
   uvec4 v01 = push.records.record[record].v01, v2_ref = push.records.record[record].v2_ref;
@@ -60,15 +40,15 @@ void main() {
 
   DepthBound b = DepthBound(vec3(0.0), vec3(0.0), uvec2(0u));
   for (bool go = dcaa_option(DCAA_PREPASS) && range.x < range.y; go; go = false) {
-    Ahead first = read_ahead(range.x, range.y), second = read_ahead(range.x + 1u, range.y);
-    Planes planes = read_planes(first.fragment.x);
+    ListEntry first = list_entry(range.x, range.y), second = list_entry(range.x + 1u, range.y);
+    RecordDepth depth = fragment_record_depth(first.fragment.x);
     for (uint i = range.x; i < range.y; ++i) {
       uint number = first.number;
       uvec4 fragment = first.fragment;
-      DepthPlane plane = listed_plane(planes, pixel);
-      planes = read_planes(second.fragment.x);
+      DepthPlane plane = plane_of(depth, pixel);
+      depth = fragment_record_depth(second.fragment.x);
       first = second;
-      second = read_ahead(i + 2u, range.y);
+      second = list_entry(i + 2u, range.y);
       vec3 own = farthest_plane(plane);
       // Loops are skipped when no lane needs them.
       for (bool helps = fragment.x != kNothing && own.x > b.bound.x; helps; helps = false) {
@@ -84,15 +64,15 @@ void main() {
 
   uint place = range.x;
   for (bool go = range.x < range.y; go; go = false) {
-    Ahead first = read_ahead(range.x, range.y), second = read_ahead(range.x + 1u, range.y);
-    Planes planes = read_planes(first.fragment.x);
+    ListEntry first = list_entry(range.x, range.y), second = list_entry(range.x + 1u, range.y);
+    RecordDepth depth = fragment_record_depth(first.fragment.x);
     for (uint i = range.x; i < range.y; ++i) {
       uint number = first.number;
       uvec4 fragment = first.fragment;
-      bool keeps = fragment.x != kNothing && may_show(listed_plane(planes, pixel), b.bound);
-      planes = read_planes(second.fragment.x);
+      bool keeps = fragment.x != kNothing && may_show(plane_of(depth, pixel), b.bound);
+      depth = fragment_record_depth(second.fragment.x);
       first = second;
-      second = read_ahead(i + 2u, range.y);
+      second = list_entry(i + 2u, range.y);
       uvec2 mask = fragment.zw;
       for (bool missing = keeps && mask == uvec2(0u); missing; missing = false) mask = listed_mask(fragment.x, pixel);
       if (keeps && mask != uvec2(0u)) {

@@ -21,6 +21,7 @@ layout(push_constant, scalar) uniform Push {
   PassedCounts passed;
   uint width, height;
 } push;
+#include "frontend/read_ahead.glsl"
 
 void main() {
   ivec2 pixel = invocation_pixel(gl_WorkGroupID.xy, gl_LocalInvocationID.x);
@@ -33,22 +34,26 @@ void main() {
   uvec4 depths[8];
   for (uint i = 0u; i < DEPTH_QUADS; ++i) depths[i] = uvec4(0u);
   uint kept = begin;
-  for (uint i = begin; i < end; ++i) {
-    uint number = push.lists.numbers.number[i];
-    uvec4 fragment = push.lists.fragments.fragment[number];
-    uvec4 depth = push.records.record[fragment.x].depth;
-    uint depth2 = push.records.record[fragment.x].depth2.x, reference = push.records.record[fragment.x].v2_ref.z;
-    DepthPlane plane = depth_plane(depth, depth2, ivec2(reference & 0xffffu, reference >> 16), pixel);
-    uint passed = 0u;
-    for (uint k = 0u; k < DEPTH_QUADS; ++k) {
-      uvec4 before = depths[k];
-      depths[k] = stream_nearer(before, SAMPLES, fragment.z, 4u * k, plane);
-      passed |= stream_passed(before, depths[k], 4u * k);
-    }
-    if (passed != 0u) {
-      push.lists.fragments.fragment[number].w = passed;
-      push.lists.numbers.number[kept] = number;
-      ++kept;
+  for (bool go = begin < end; go; go = false) {
+    ListEntry first = list_entry(begin, end), second = list_entry(begin + 1u, end);
+    RecordDepth depth = record_depth(first.fragment.x);
+    for (uint i = begin; i < end; ++i) {
+      ListEntry own = first;
+      DepthPlane plane = plane_of(depth, pixel);
+      depth = record_depth(second.fragment.x);
+      first = second;
+      second = list_entry(i + 2u, end);
+      uint passed = 0u;
+      for (uint k = 0u; k < DEPTH_QUADS; ++k) {
+        uvec4 before = depths[k];
+        depths[k] = stream_nearer(before, SAMPLES, own.fragment.z, 4u * k, plane);
+        passed |= stream_passed(before, depths[k], 4u * k);
+      }
+      if (passed != 0u) {
+        push.lists.fragments.fragment[own.number].w = passed;
+        push.lists.numbers.number[kept] = own.number;
+        ++kept;
+      }
     }
   }
   push.passed.passed[p] = kept - begin;
