@@ -3,16 +3,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "capture_format/error.hpp"
 
 namespace subpixel::replay {
 namespace {
-constexpr VkFormat kWords = VK_FORMAT_R32G32B32A32_UINT, kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
+constexpr VkFormat kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr VkImageUsageFlags kTarget =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+
+// The roughness of all surfaces in 8 bits, rounded as shaders/include/packing.glsl rounds it.
+std::uint32_t scene_roughness(const GpuScene& scene) {
+  if (scene.draws().empty()) return 0;
+  const auto& material = scene.materials.as<gpu_types::MaterialRecord>()[scene.draws().front().material];
+  return static_cast<std::uint32_t>(std::nearbyint(std::clamp(material.metal_rough.y, 0.0f, 1.0f) * 255.0f));
+}
 }  // namespace
+
+bool narrow_samples(const FrameSetup& setup) {
+  const SceneFeatures features = setup.scene.features();
+  return !features.has(FEATURE_EMISSIVE) && !(features.has(FEATURE_METAL) && features.has(FEATURE_VARYING_ROUGHNESS));
+}
 
 std::uint32_t gbuffer_group(std::uint32_t samples) {
   return std::min(samples, 8u);
@@ -20,8 +33,9 @@ std::uint32_t gbuffer_group(std::uint32_t samples) {
 
 gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, bool all_samples) {
   const std::uint32_t layers = all_samples ? setup.samples : gbuffer_group(setup.samples);
+  const VkFormat format = narrow_samples(setup) ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32G32B32A32_UINT;
   return recorder.image(
-      {"G-buffer", kWords, setup.width, setup.height, 1, layers, VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+      {"G-buffer", format, setup.width, setup.height, 1, layers, VK_SAMPLE_COUNT_1_BIT, kTarget, true});
 }
 
 void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, gpu::Image& gbuffer,
@@ -37,7 +51,7 @@ void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::I
   pass.pipeline.constants.emplace_back(4, group);
   pass.pipeline.targets.ordered_read = count > 1;
   pass.pipeline.targets.clear = true;
-  pass.pipeline.targets.colours.assign(count, kWords);
+  pass.pipeline.targets.colours.assign(count, gbuffer.description().format);
   for (std::uint32_t i = 0; i < count; ++i) pass.colours.emplace_back(gbuffer, first_layer + i);
   pass.clear_colours.assign(count, {});
   pass.bindings = {gpu::samples(0, visibility)};
@@ -106,6 +120,8 @@ gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::st
   pass.pipeline.fragment = std::move(fragment);
   pass.pipeline.constants = common_constants(setup);
   for (const auto& constant : setup.frontend.constants()) pass.pipeline.constants.push_back(constant);
+  if (narrow_samples(setup) && setup.scene.features().has(FEATURE_METAL))
+    pass.pipeline.constants.emplace_back(18, scene_roughness(setup.scene));
   pass.bindings = {gpu::uniform(setup.scene.frame_constants),
                    gpu::samples(7, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
   return pass;

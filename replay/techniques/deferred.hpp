@@ -9,8 +9,11 @@ namespace subpixel::replay {
 // Samples a pass of the full-sample G-buffer handles at once; more are handled in groups that reuse the buffer.
 std::uint32_t gbuffer_group(std::uint32_t samples);
 
-// RGBA32UI array, 16 bytes a sample as in shaders/include/packing.glsl: of gbuffer_group(samples) layers, or of all
-// samples.
+// What shaders/deferred/stored_sample.glsl stores of a sample: 8 bytes where they hold all that varies in the scene,
+// else 16.
+bool narrow_samples(const FrameSetup& setup);
+
+// RG32UI or RGBA32UI array, a stored sample in each layer: of gbuffer_group(samples) layers, or of all samples.
 gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, bool all_samples = false);
 // Fills it for sample group `group`, whose layers follow those of the groups before when it has all samples; pass
 // "gbuffer".

@@ -96,11 +96,13 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   analyse.push = gpu::PushConstants(push);
   recorder.raster(std::move(analyse));
 
-  gpu::Image& gbuffer = recorder.image({"G-buffer", kWords, setup.width, setup.height, 1, kept, VK_SAMPLE_COUNT_1_BIT,
-                                        VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
+  const bool narrow = narrow_samples(setup);
+  gpu::Image& gbuffer =
+      recorder.image({"G-buffer", narrow ? VK_FORMAT_R16G16B16A16_UINT : kWords, setup.width, setup.height, 1, kept,
+                      VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
   Frontend::GeometryPass geometry;
   geometry.by_material = true;
-  geometry.fragment_opaque = "techniques/sbaa/surfaces.frag";
+  geometry.fragment_opaque = narrow ? "techniques/sbaa/surfaces.frag:NARROW" : "techniques/sbaa/surfaces.frag:WIDE";
   geometry.pass.name = "surfaces";
   geometry.pass.size = {setup.width, setup.height};
   geometry.pass.pipeline.constants = common_constants(setup);

@@ -5,11 +5,11 @@
 // variants: 1=-DGROUP=1 4=-DGROUP=4 8=-DGROUP=8
 // Full G-buffer samples: each fragment writes its surface to those of GROUP samples in which its triangle is the visible one.
 // Reads: visibility (slot 0); with GROUP > 1 the attachments, so that the other samples keep their values.
-// Writes: one attachment for each sample, 16 bytes as in packing.glsl.
+// Writes: one attachment for each sample, as in stored_sample.glsl.
 #define WITH_UV
 #define WITH_ATTRIBUTES
 #include "frontend/fragment.glsl"
-#include "include/packing.glsl"
+#include "deferred/stored_sample.glsl"
 #include "include/visibility.glsl"
 
 layout(constant_id = 4) const uint SAMPLE_GROUP = 0u;  // which GROUP samples of the pattern
@@ -40,7 +40,7 @@ void main() {
   uint own = fragment_triangle();
 #if GROUP == 1
   if (visible_sample(pixel).y != own) discard;
-  out0 = with_material(pack_surface(fragment_surface(pixel, vec2(0.0))), push.material);
+  out0 = stored_sample(fragment_surface(pixel, vec2(0.0)));
 #else
   bvec4 low = equal(visible_triangles(pixel, SAMPLES, SAMPLE_GROUP * GROUP / 4u), uvec4(own));
 #if GROUP > 4
@@ -49,17 +49,16 @@ void main() {
 #else
   if (!any(low)) discard;
 #endif
-  uvec4 packed = pack_surface(fragment_surface(pixel, shading_offset(fragment_edges(pixel), SAMPLES)));
-  packed = with_material(packed, push.material);
-  out0 = low.x ? packed : subpassLoad(in0);
-  out1 = low.y ? packed : subpassLoad(in1);
-  out2 = low.z ? packed : subpassLoad(in2);
-  out3 = low.w ? packed : subpassLoad(in3);
+  uvec4 stored = stored_sample(fragment_surface(pixel, shading_offset(fragment_edges(pixel), SAMPLES)));
+  out0 = low.x ? stored : subpassLoad(in0);
+  out1 = low.y ? stored : subpassLoad(in1);
+  out2 = low.z ? stored : subpassLoad(in2);
+  out3 = low.w ? stored : subpassLoad(in3);
 #if GROUP > 4
-  out4 = high.x ? packed : subpassLoad(in4);
-  out5 = high.y ? packed : subpassLoad(in5);
-  out6 = high.z ? packed : subpassLoad(in6);
-  out7 = high.w ? packed : subpassLoad(in7);
+  out4 = high.x ? stored : subpassLoad(in4);
+  out5 = high.y ? stored : subpassLoad(in5);
+  out6 = high.z ? stored : subpassLoad(in6);
+  out7 = high.w ? stored : subpassLoad(in7);
 #endif
 #endif
 }

@@ -1,6 +1,6 @@
 // The 16-byte G-buffer sample that all techniques store surfaces in.
 //   x: albedo, 3 x 8 bits with square-root encoding, metallic 8   y: normal, octahedral 2 x 16
-//   z: roughness 8, occlusion 8, 16 for a material number         w: emission, shared exponent 9+9+9+5
+//   z: roughness 8, occlusion 8, 16 unused                        w: emission, shared exponent 9+9+9+5
 // Octahedral normals: Cigolle et al. 2014. Shared exponent: EXT_texture_shared_exponent.
 // Reads: FEATURES; parts that no material of the scene needs are constants and cost nothing.
 #ifndef SUBPIXEL_PACKING_GLSL
@@ -67,10 +67,6 @@ uvec4 pack_surface(Surface s) {
     packed.w = pack_shared_exponent(s.emissive);
   return packed;
 }
-
-// The low 16 bits of a material's number, for what compares materials; pack_surface() leaves 0.
-uvec4 with_material(uvec4 packed, uint material) { return uvec4(packed.xy, packed.z | material << 16, packed.w); }
-uint packed_material(uvec4 packed) { return packed.z >> 16; }
 
 // All but the position.
 Surface unpack_surface(uvec4 packed) {

@@ -3,8 +3,8 @@
 #ifndef SUBPIXEL_FULL_SAMPLE_GLSL
 #define SUBPIXEL_FULL_SAMPLE_GLSL
 
+#include "deferred/stored_sample.glsl"
 #include "include/lights.glsl"
-#include "include/packing.glsl"
 #include "include/visibility.glsl"
 #include "include/resolve.glsl"
 #include "frontend/sample_patterns.h"
@@ -27,7 +27,7 @@ vec4 full_sample_value(ivec2 pixel, uint s, uint layer) {
   vec4 value = vec4(resolvable(frame.sky.rgb), 0.0);
   for (bool covered = triangle != SUBPIXEL_NO_TRIANGLE; covered; covered = false) {
     vec2 position = vec2(pixel) + 0.5 + vec2(sample_offset(SAMPLES, s)) * (1.0 / 128.0);
-    Surface surface = unpack_surface(texelFetch(gbuffer, ivec3(pixel, layer), 0));
+    Surface surface = surface_of_stored(texelFetch(gbuffer, ivec3(pixel, layer), 0));
     surface.position = world_position(position, uintBitsToFloat(depth));
     value = vec4(resolvable(shade(surface, normalize(frame.eye.xyz - surface.position))), 1.0);
   }

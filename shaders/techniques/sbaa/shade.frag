@@ -3,8 +3,8 @@
 // Shades the kept surfaces of a pixel; the samples of those that were not kept are left out of the mean.
 // Reads: visibility (slot 0), surfaces (slot 1), their G-buffer (slot 2), samples not kept (slot 3), shadow map.
 // Writes: rgb the sum of the samples' resolvable values, a the lighting executions.
+#include "deferred/stored_sample.glsl"
 #include "include/lights.glsl"
-#include "include/packing.glsl"
 #include "include/resolve.glsl"
 #include "include/visibility.glsl"
 #include "frontend/sample_patterns.h"
@@ -43,7 +43,8 @@ void main() {
     uint word = stored_surface(texel, k);
     // A loop, so that groups of pixels that have no such surface skip the lighting.
     for (bool stored = word != 0u; stored; stored = false) {
-      Surface surface = unpack_surface(texelFetch(gbuffer, ivec3(pixel, k), 0));
+      uvec4 words = texelFetch(gbuffer, ivec3(pixel, k), 0);
+      Surface surface = surface_of_stored(narrow_samples() ? words_of_halves(words) : words);
       surface.position = surface_position(pixel, word);
       vec3 value = resolvable(shade(surface, normalize(frame.eye.xyz - surface.position)));
       sum += value * float(surface_samples(word));

@@ -2,19 +2,25 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: WIDE=-DHALVES=0 NARROW=-DHALVES=1
 // The G-buffer samples of the kept surfaces: a fragment whose first visible sample is a kept surface's first is stored.
 // Reads: visibility (slot 0), surfaces (slot 1).
-// Writes: 16 bytes as in packing.glsl to the surface's layer. One fragment at most writes a texel, so they need no order.
+// Writes: to the surface's layer, a sample as in stored_sample.glsl, NARROW: in halves of words. One fragment at most writes a
+// texel, so they need no order.
 #define WITH_UV
 #define WITH_ATTRIBUTES
 #include "frontend/fragment.glsl"
-#include "include/packing.glsl"
+#include "deferred/stored_sample.glsl"
 #include "include/visibility.glsl"
 #include "techniques/sbaa/surface_words.glsl"
 
 layout(constant_id = 7) const uint SURFACES = 4u;
 layout(set = 0, binding = 13) uniform usampler2D surfaces;
+#if HALVES
+layout(set = 0, binding = 20, rgba16ui) writeonly uniform uimage2DArray out_surfaces;
+#else
 layout(set = 0, binding = 20, rgba32ui) writeonly uniform uimage2DArray out_surfaces;
+#endif
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
@@ -35,7 +41,10 @@ void main() {
     }
   }
   for (bool go = layer < SURFACES; go; go = false) {
-    uvec4 packed = pack_surface(fragment_surface(pixel, shading_offset(fragment_edges(pixel), SAMPLES)));
-    imageStore(out_surfaces, ivec3(pixel, layer), packed);
+    uvec4 stored = stored_sample(fragment_surface(pixel, shading_offset(fragment_edges(pixel), SAMPLES)));
+#if HALVES
+    stored = halves_of_words(stored);
+#endif
+    imageStore(out_surfaces, ivec3(pixel, layer), stored);
   }
 }

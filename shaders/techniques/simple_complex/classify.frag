@@ -24,8 +24,9 @@ uvec4 quad_triangles(uint quad) { return visible_triangles(ivec2(gl_FragCoord.xy
 vec4 quad_depths(uint quad) { return uintBitsToFloat(visible_depths(ivec2(gl_FragCoord.xy), SAMPLES, quad)); }
 
 ClassifiedSurface sample_surface(uint s) {
-  uvec4 packed = texelFetch(gbuffer, ivec3(gl_FragCoord.xy, s), 0);
-  return ClassifiedSurface(unpack_normal(packed.y), packed_material(packed));
+  uint triangle = quad_triangles(s / 4u)[s & 3u];
+  uint material = push.records.record[triangle].v2_ref.w >> RECORD_MATERIAL_SHIFT;
+  return ClassifiedSurface(unpack_normal(texelFetch(gbuffer, ivec3(gl_FragCoord.xy, s), 0).y), material);
 }
 
 vec2 triangle_slopes(uint triangle) { return uintBitsToFloat(push.records.record[triangle].depth.yz); }
