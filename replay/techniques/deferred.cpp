@@ -13,18 +13,18 @@ namespace {
 constexpr VkFormat kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr VkImageUsageFlags kTarget =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
-
-// The roughness of all surfaces in 8 bits, rounded as shaders/include/packing.glsl rounds it.
-std::uint32_t scene_roughness(const GpuScene& scene) {
-  if (scene.draws().empty()) return 0;
-  const auto& material = scene.materials.as<gpu_types::MaterialRecord>()[scene.draws().front().material];
-  return static_cast<std::uint32_t>(std::nearbyint(std::clamp(material.metal_rough.y, 0.0f, 1.0f) * 255.0f));
-}
 }  // namespace
 
 bool narrow_samples(const FrameSetup& setup) {
   const SceneFeatures features = setup.scene.features();
   return !features.has(FEATURE_EMISSIVE) && !(features.has(FEATURE_METAL) && features.has(FEATURE_VARYING_ROUGHNESS));
+}
+
+gpu::PushConstants scene_roughness(GpuScene& scene) {
+  if (scene.draws().empty()) return gpu::PushConstants(0u);
+  const auto& material = scene.materials.as<gpu_types::MaterialRecord>()[scene.draws().front().material];
+  const float steps = std::clamp(material.metal_rough.y, 0.0f, 1.0f) * 255.0f;
+  return gpu::PushConstants(static_cast<std::uint32_t>(std::nearbyint(steps)));  // as packing.glsl rounds
 }
 
 std::uint32_t gbuffer_group(std::uint32_t samples) {
@@ -120,8 +120,6 @@ gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::st
   pass.pipeline.fragment = std::move(fragment);
   pass.pipeline.constants = common_constants(setup);
   for (const auto& constant : setup.frontend.constants()) pass.pipeline.constants.push_back(constant);
-  if (narrow_samples(setup) && setup.scene.features().has(FEATURE_METAL))
-    pass.pipeline.constants.emplace_back(18, scene_roughness(setup.scene));
   pass.bindings = {gpu::uniform(setup.scene.frame_constants),
                    gpu::samples(7, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
   return pass;
@@ -134,6 +132,7 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
   pass.pipeline.constants.emplace_back(6, gbuffer_group(setup.samples));
   pass.pipeline.targets.colours = {kFloats};
   pass.pipeline.targets.clear = group == 0;
+  pass.push = scene_roughness(setup.scene);
   pass.pipeline.additive = true;
   pass.colours = {{sum}};
   pass.clear_colours = {{}};

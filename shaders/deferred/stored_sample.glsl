@@ -8,8 +8,6 @@
 
 #include "include/packing.glsl"
 
-layout(constant_id = 18) const uint SCENE_ROUGHNESS = 0u;  // 8 bits, of scenes with metal whose roughness doesn't vary
-
 bool narrow_samples() {
   return !has_feature(FEATURE_EMISSIVE) && !(has_feature(FEATURE_METAL) && has_feature(FEATURE_VARYING_ROUGHNESS));
 }
@@ -22,10 +20,10 @@ uvec4 stored_sample(Surface s) {
   return uvec4(has_feature(FEATURE_METAL) ? packed.x : packed.x | packed.z << 24, packed.y, 0u, 0u);
 }
 
-// All but the position.
-Surface surface_of_stored(uvec4 stored) {
+// All but the position. `scene_roughness`: 8 bits, of a scene whose roughness doesn't vary.
+Surface surface_of_stored(uvec4 stored, uint scene_roughness) {
   const uint kFull = 255u << 8;  // occlusion, which no material has
-  if (narrow_samples() && has_feature(FEATURE_METAL)) stored.zw = uvec2(SCENE_ROUGHNESS | kFull, 0u);
+  if (narrow_samples() && has_feature(FEATURE_METAL)) stored.zw = uvec2(scene_roughness | kFull, 0u);
   if (narrow_samples() && !has_feature(FEATURE_METAL)) stored = uvec4(stored.x & 0xffffffu, stored.y, stored.x >> 24 | kFull, 0u);
   return unpack_surface(stored);
 }

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "tests/hard_cases/case_run.hpp"
@@ -51,6 +52,65 @@ TEST(Features, WithoutShadowsNoPassRunsBeforeTheTechniques) {
   const double between = test_device().total_ms();
   with.scene.set_frame(0, with.width, with.height);
   EXPECT_GT(test_device().total_ms(), between);
+}
+
+// Metal without roughness that varies: of the used materials, which the first is none of.
+capture::Capture metal_scene() {
+  capture::Capture capture = plain_scene();
+  capture.materials.push_back(capture.materials[0]);
+  const auto used = static_cast<std::uint32_t>(capture.materials.size() - 1);
+  for (auto& draw : capture.frames[0].draws) draw.material = used;
+  capture.materials[used].metallic = 0.625f;
+  capture.materials[used].roughness = 0.3711f;
+  capture.materials[0].roughness = 0.9f;
+  return capture;
+}
+
+// Spheres of several roughnesses, and of metal or not.
+capture::Capture rough_scene(bool metal) {
+  capture::Capture capture = capture::generate("spheres", {.frames = 1, .width = 48, .height = 36});
+  for (auto& material : capture.materials) material.metallic = metal ? material.metallic : 0.0f;
+  return capture;
+}
+
+// Full G-buffer samples take 8 bytes on the device where that is enough, and show what 16 bytes show. Emission that the
+// scene does not have, forced on, widens them and changes nothing else.
+TEST(Features, FullSamplesTakeNoMoreWordsThanTheSceneNeeds) {
+  struct SampleCase {
+    const char* name;
+    capture::Capture capture;
+    std::uint32_t needs;  // of what decides
+    bool narrow;
+  };
+  const std::uint32_t deciding = FEATURE_EMISSIVE | FEATURE_METAL | FEATURE_VARYING_ROUGHNESS;
+  const SampleCase cases[] = {
+      {"plain", plain_scene(), 0, true},
+      {"metal", metal_scene(), FEATURE_METAL, true},
+      {"roughness", rough_scene(false), FEATURE_VARYING_ROUGHNESS, true},
+      {"metal and roughness", rough_scene(true), FEATURE_METAL | FEATURE_VARYING_ROUGHNESS, false},
+  };
+  // Samples or surfaces whose attributes a technique holds at once.
+  const std::pair<const char*, std::uint64_t> holders[] = {
+      {"fxaa", 1}, {"msaa", 8}, {"simple_complex", 8}, {"sbaa", 4}};
+  for (const SampleCase& of : cases) {
+    CaseScene fitted(test_device(), of.capture), wide(test_device(), of.capture, {.forced_features = FEATURE_EMISSIVE});
+    ASSERT_EQ(fitted.scene.features().bits & deciding, of.needs) << of.name;
+    for (const auto& [name, layers] : holders) {
+      SCOPED_TRACE(fmt::format("{}, {}", of.name, name));
+      const CaseResult a = fitted.run(find_technique(name)), b = wide.run(find_technique(name));
+      EXPECT_EQ(b.allocated_bytes - a.allocated_bytes, of.narrow ? 8 * layers * fitted.width * fitted.height : 0);
+      EXPECT_EQ(a.radiance.pixels, b.radiance.pixels);
+      EXPECT_EQ(a.display.pixels, b.display.pixels);
+      EXPECT_EQ(a.executions, b.executions);
+      EXPECT_GT(std::ranges::max(a.executions), 0.0f);
+    }
+  }
+  // General shaders have the wide samples.
+  CaseScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures}),
+      wide(test_device(), plain_scene(), {.forced_features = FEATURE_EMISSIVE});
+  for (const auto& [name, layers] : holders)
+    EXPECT_EQ(general.run(find_technique(name)).allocated_bytes, wide.run(find_technique(name)).allocated_bytes)
+        << name;
 }
 
 class FeaturesOf : public testing::TestWithParam<const Technique*> {};

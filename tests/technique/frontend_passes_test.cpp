@@ -68,7 +68,7 @@ TEST_P(SecondPass, WritesTheSurfaceOfEveryVisibleSample) {
   FrontendRun run(device, coloured_triangles(numbers, 200), kSide, kSide, n);
   const FrameSetup setup = run.setup();
   gpu::Image& gbuffer = gbuffer_image(run.recorder, setup);
-  const std::uint32_t group = gbuffer_group(n);
+  const std::uint32_t group = gbuffer_group(n), words_per_texel = narrow_samples(setup) ? 2 : 4;
   std::vector<std::vector<std::uint32_t>> layers;  // of all groups
   for (std::uint32_t g = 0; g < n / group; ++g) {
     record_gbuffer(run.recorder, setup, *run.visibility, gbuffer, g);
@@ -98,7 +98,7 @@ TEST_P(SecondPass, WritesTheSurfaceOfEveryVisibleSample) {
       for (std::uint32_t s = 0; s < n; ++s) {
         const VisibleSample& seen = run.seen()[run.place(px, py, s)];
         const std::uint32_t albedo =
-            layers[s][4 * (static_cast<std::size_t>(py) * kSide + static_cast<std::size_t>(px))];
+            layers[s][words_per_texel * (static_cast<std::size_t>(py) * kSide + static_cast<std::size_t>(px))];
         if (seen.triangle == SUBPIXEL_NO_TRIANGLE) {
           uncalled += albedo == 0 ? 0 : 1;
           continue;

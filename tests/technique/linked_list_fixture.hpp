@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <vector>
 
 #include "replay/techniques/deferred.hpp"
@@ -127,11 +128,16 @@ class FragmentOracle {
       record_gbuffer(run.recorder, run.setup(), *run.visibility, *gbuffer, 0);
     }
     run.run();
-    std::vector<std::vector<glm::uvec4>> layers(samples);
+    std::vector<std::vector<BlockAttributes>> layers(samples);
+    const bool narrow = narrow_samples(run.setup());
+    if (narrow && run.scene.features().has(FEATURE_METAL)) throw std::logic_error("scene without stored roughness");
     for (std::uint32_t s = 0; s < samples && gbuffer; ++s) {
       const auto bytes = gpu::download(device, *gbuffer, s);
-      layers[s].resize(bytes.size() / sizeof(glm::uvec4));
-      std::memcpy(layers[s].data(), bytes.data(), bytes.size());
+      std::vector<std::uint32_t> words(bytes.size() / sizeof(std::uint32_t));
+      std::memcpy(words.data(), bytes.data(), bytes.size());
+      for (std::size_t i = 0; i < words.size(); i += narrow ? 2 : 4)
+        layers[s].push_back(narrow ? BlockAttributes{words[i] & 0xffffffu, words[i + 1], words[i] >> 24 | 0xff00u, 0}
+                                   : BlockAttributes{words[i], words[i + 1], words[i + 2] & 0xffffu, words[i + 3]});
     }
     pixels_.resize(std::size_t{scene.width} * scene.height);
     for (std::size_t pixel = 0; pixel < pixels_.size(); ++pixel) {
@@ -142,8 +148,7 @@ class FragmentOracle {
         VisibleFragment& fragment = found[triangle];
         fragment.mask |= 1u << s;
         if (!gbuffer) continue;
-        const glm::uvec4 packed = layers[s][pixel];
-        fragment.attributes = {packed.x, packed.y, packed.z & 0xffffu, packed.w};
+        fragment.attributes = layers[s][pixel];
       }
       for (const auto& [triangle, fragment] : found) pixels_[pixel].push_back(fragment);
       std::ranges::sort(pixels_[pixel], {}, [](const auto& f) { return std::countr_zero(f.mask); });
