@@ -219,8 +219,7 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::I
   append(pass.pipeline.constants, agaa_constants(setup));
   pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
-  pass.bindings.insert(pass.bindings.end(), {gpu::samples(0, visibility), gpu::reads(0, *state.description),
-                                             gpu::reads(10, setup.scene.materials)});
+  pass.bindings.insert(pass.bindings.end(), {gpu::samples(0, visibility), gpu::reads(0, *state.description)});
   pass.by_address = {state.sums};
   pass.push = gpu::PushConstants(space.from_clip);
   recorder.raster(std::move(pass));

@@ -180,7 +180,6 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
   append(pass.pipeline.constants, streaming_constants(setup));
   pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
-  pass.bindings.push_back(gpu::reads(10, setup.scene.materials));
   state.bind_for_reading(pass);
   recorder.raster(std::move(pass));
 }

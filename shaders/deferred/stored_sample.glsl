@@ -1,7 +1,7 @@
 // A G-buffer sample as the techniques with samples of their own store it: the four words of packing.glsl, or two of them where
 // they can hold all that varies in the scene.
 //   x: albedo 3 x 8, then metallic 8, or roughness 8 in a scene without metal   y: normal
-// The format of the image is stored_sample_format() of replay/techniques/deferred.hpp, which decides as narrow_samples() does.
+// The format of the image is gbuffer_image() of replay/techniques/deferred.hpp, which decides as narrow_samples() does.
 // Reads: FEATURES.
 #ifndef SUBPIXEL_STORED_SAMPLE_GLSL
 #define SUBPIXEL_STORED_SAMPLE_GLSL

@@ -46,7 +46,7 @@ struct FrameConstants {
   vec4 ambient;
   vec4 sky;
   vec4 viewport;                 // width, height, 1/width, 1/height in pixels
-  vec4 tone;                     // exposure, unused
+  vec4 tone;                     // exposure; roughness of all surfaces where it does not vary; unused
   uvec4 counts;                  // point lights, materials, instances, unused
   vec4 shadow_cascades[SUBPIXEL_SHADOW_CASCADES];  // x scale and yz offset to [0, 1] of the cascade, w texel in world units
   PointLightConstants point_lights[SUBPIXEL_MAX_POINT_LIGHTS];

@@ -137,6 +137,22 @@ TEST_P(FeaturesOf, APlainScenesShadersReadNothingElse) {
   EXPECT_EQ(result.executions, expected.executions);
 }
 
+// A material that no draw has decides nothing, least of all the roughness of those that are drawn.
+TEST_P(FeaturesOf, AMaterialThatIsNotDrawnChangesNothing) {
+  capture::Capture capture = metal_scene();
+  CaseScene scene(test_device(), capture);
+  capture.materials[0] = capture.materials[1];
+  CaseScene same(test_device(), capture);
+  ASSERT_EQ(scene.scene.features().bits & FEATURE_VARYING_ROUGHNESS, 0u);
+  std::vector<ParameterValues> settings{{}};
+  if (GetParam()->name == "streaming" || GetParam()->name == "agaa") settings.push_back({{"samples", 16}});
+  for (const ParameterValues& values : settings) {
+    const CaseResult a = scene.run(*GetParam(), values), b = same.run(*GetParam(), values);
+    EXPECT_EQ(a.display.pixels, b.display.pixels);
+    EXPECT_EQ(a.executions, b.executions);
+  }
+}
+
 TEST_P(FeaturesOf, FittedLayoutsHoldOnlyWhatTheSceneNeeds) {
   CaseScene plain(test_device(), plain_scene());
   CaseScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures});

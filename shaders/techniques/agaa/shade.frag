@@ -4,7 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 // Aggregate deferred shading (AGAA paper, section 3.5): one lighting execution for each aggregate of a pixel, composited by
 // samples over the sky.
-// Reads: visibility (slot 0), the pixel's aggregates, materials, shadow map.
+// Reads: visibility (slot 0), the pixel's aggregates, shadow map.
 // Writes: linear radiance with the lighting executions in a; display values.
 layout(constant_id = 0) const uint SAMPLES = 8u;
 layout(constant_id = 7) const uint AGGREGATES = 2u;
@@ -14,7 +14,6 @@ layout(constant_id = 7) const uint AGGREGATES = 2u;
 #include "techniques/agaa/footprint.glsl"
 #include "techniques/agaa/sums_access.glsl"
 
-layout(set = 0, binding = 11, scalar) readonly buffer Materials { MaterialRecord materials[]; };
 layout(push_constant, scalar) uniform Push { mat4 view_from_clip; } push;
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_display;
@@ -27,7 +26,7 @@ void main() {
     uint mask = aggregate_mask(state.sums.words[first_word(pixel, k) + kMaskWord]);
     // A loop, so that groups of pixels without such an aggregate skip the lighting.
     for (bool stored = mask != 0u; stored; stored = false) {
-      Aggregate a = aggregate_of_words(stored_words(pixel, k), materials[0].metal_rough.y, state.largest_emission);
+      Aggregate a = aggregate_of_words(stored_words(pixel, k), frame.tone.y, state.largest_emission);
       vec3 view;
       Footprint footprint = aggregate_footprint(push.view_from_clip, pixel, mask, view);
       sum += float(int(bitCount(mask))) * resolvable(shade_aggregate(a, footprint, view));

@@ -5,7 +5,7 @@
 // variants: IMAGE=-DIMAGE BUFFER=
 // Resolve (Kerzner and Salvi 2014, section 3.3): visibility of each sample from the surfaces' planes, one lighting execution
 // for each surface that any sample shows, their mean by samples.
-// Reads: the pixel's state, materials, shadow map. Writes: linear radiance with the lighting executions in a; display values.
+// Reads: the pixel's state, shadow map. Writes: linear radiance with the lighting executions in a; display values.
 layout(constant_id = 0) const uint SAMPLES = 8u;
 #include "include/lights.glsl"
 #include "include/resolve.glsl"
@@ -14,7 +14,6 @@ layout(constant_id = 0) const uint SAMPLES = 8u;
 #include "techniques/streaming/state_read.glsl"
 #include "techniques/streaming/plane.glsl"
 
-layout(set = 0, binding = 11, scalar) readonly buffer Materials { MaterialRecord materials[]; };
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_display;
 
@@ -97,7 +96,7 @@ void main() {
         farthest = seen ? max(farthest, depth) : farthest;
       }
       Surface lit = unpack_surface(uvec4(s.albedo, s.normal, s.roughness | 255u << 8, s.emission));
-      if (SAMPLES > 8u && ROUGHNESS_WORDS == 0u) lit.roughness = materials[0].metal_rough.y;
+      if (SAMPLES > 8u && ROUGHNESS_WORDS == 0u) lit.roughness = frame.tone.y;
       lit.position = world_position(gl_FragCoord.xy, stream_reversed_depth(clamp(s.depth, nearest, farthest), pixel));
       float weight = float(bitCount(samples));
       sum += weight * resolvable(shade(lit, normalize(frame.eye.xyz - lit.position)));
