@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -17,10 +19,10 @@
 namespace subpixel::replay {
 namespace {
 
-using LaneBits = std::int32_t __attribute__((vector_size(16)));
+using LaneBits = std::int32_t __attribute__((vector_size(32)));
 
 Lanes all(float value) {
-  return Lanes{value, value, value, value};
+  return Lanes{value, value, value, value, value, value, value, value};
 }
 
 Lanes load(const float* from) {
@@ -89,6 +91,57 @@ Lanes cube_root(Lanes value) {
     root = root * (cube + 2.0F * value) / (2.0F * cube + value);
   }
   return root;
+}
+
+// 2 to the power `exponent` of -126 to 126: the nearest whole number into the exponent's bits, a series for the rest.
+Lanes power_of_two(Lanes exponent) {
+  const Lanes shifted = exponent + 12582912.0F;  // 1.5 * 2^23, which leaves the whole number in the low bits
+  const Lanes rest = (exponent - (shifted - 12582912.0F)) * std::numbers::ln2_v<float>;
+  Lanes sum = all(1.0F / 5040);
+  for (const float coefficient : {1.0F / 720, 1.0F / 120, 1.0F / 24, 1.0F / 6, 0.5F, 1.0F, 1.0F})
+    sum = sum * rest + coefficient;
+  return (Lanes)((LaneBits)sum + ((LaneBits)shifted << 23));
+}
+
+// Logarithm to base 2 of positive normal values: the exponent, and the series of artanh for a mantissa around 1.
+Lanes log_base_two(Lanes value) {
+  constexpr std::int32_t kHalfRoot = 0x3f3504f3;  // sqrt(1/2)
+  const LaneBits exponent = ((LaneBits)value - kHalfRoot) >> 23;
+  const Lanes mantissa = (Lanes)((LaneBits)value - (exponent << 23));
+  const Lanes t = (mantissa - 1.0F) / (mantissa + 1.0F), square = t * t;
+  Lanes sum = all(1.0F / 9);
+  for (const float coefficient : {1.0F / 7, 1.0F / 5, 1.0F / 3, 1.0F}) sum = sum * square + coefficient;
+  return __builtin_convertvector(exponent, Lanes) + (2 / std::numbers::ln2_v<float>)*t * sum;
+}
+
+// value^exponent for values of 0 to 2^40 and exponents of 0 to 1; 0 for values so small that nobody would see the
+// result.
+Lanes power(Lanes value, Lanes exponent) {
+  const LaneBits seen = value > 1e-30F;
+  const Lanes result = power_of_two(exponent * log_base_two(seen ? value : all(1)));
+  return seen ? result : all(0);
+}
+
+Lanes magnitude(Lanes value) {
+  return value < 0 ? -value : value;
+}
+
+Lanes root(Lanes value) {
+  for (int i = 0; i < lane_count; ++i) value[i] = std::sqrt(value[i]);
+  return value;
+}
+
+// `stored` times `factor` through the tone curve, clamped to 0..1. Negative values and NaN count as 0.
+Lanes tone_mapped(Lanes stored, float factor) {
+  constexpr ToneCurve curve;
+  constexpr auto a = static_cast<float>(curve.a), b = static_cast<float>(curve.b), c = static_cast<float>(curve.c),
+                 d = static_cast<float>(curve.d), e = static_cast<float>(curve.e);
+  Lanes x = stored > 0 ? stored : all(0);
+  x = (x < std::numeric_limits<float>::max() ? x : all(std::numeric_limits<float>::max())) * factor;
+  // Beyond 2^40 the curve is flat; its squares stay finite there.
+  x = x < 0x1p40F ? x : all(0x1p40F);
+  const Lanes value = x * (a * x + b) / (x * (c * x + d) + e);
+  return value < 1 ? value : all(1);
 }
 
 // CIELAB's companding (CIE 15).
@@ -160,9 +213,11 @@ struct FlipContext {
 // Horizontally filtered rows of one image, as many as the vertical kernels reach over, newest in place of oldest.
 class FilteredRows {
  public:
-  FilteredRows(const FlipContext& context, const Image& image)
+  // `exposure`: a factor on linear values, which then go through the tone curve.
+  FilteredRows(const FlipContext& context, const Image& image, std::optional<float> exposure)
       : context_(context),
         image_(image),
+        exposure_(exposure),
         y_(image.width, context.kernels.radius),
         cx_(image.width, context.kernels.radius),
         cz_(image.width, context.kernels.radius),
@@ -204,7 +259,10 @@ class FilteredRows {
       cz_.data()[x] = grey ? r : value(pixel[2]);
     }
     for (std::uint32_t x = 0; x < image_.width; x += lane_count) {
-      const Colour xyz = to_xyz({load(y_.data() + x), load(cx_.data() + x), load(cz_.data() + x)});
+      Colour rgb{load(y_.data() + x), load(cx_.data() + x), load(cz_.data() + x)};
+      if (exposure_)
+        rgb = {tone_mapped(rgb.x, *exposure_), tone_mapped(rgb.y, *exposure_), tone_mapped(rgb.z, *exposure_)};
+      const Colour xyz = to_xyz(rgb);
       store(y_.data() + x, xyz.y);
       store(cx_.data() + x, xyz.x - xyz.y);
       store(cz_.data() + x, xyz.y - xyz.z);
@@ -227,8 +285,17 @@ class FilteredRows {
       const auto put = [&](Plane plane, Lanes value) { store(planes_[plane][slot].data() + x, value); };
       put(achromatic, symmetric(y_.data() + x, k.achromatic));
       put(red_green, symmetric(cx_.data() + x, k.red_green));
-      put(blue_yellow_wide, symmetric(cz_.data() + x, k.blue_yellow_wide));
-      put(blue_yellow_narrow, symmetric(cz_.data() + x, k.blue_yellow_narrow));
+      // Two Gaussians of one channel; the narrow one has the shorter kernel.
+      const float* const opponent = cz_.data() + x;
+      Lanes wide_sum = k.blue_yellow_wide[0] * load(opponent);
+      Lanes narrow_sum = k.blue_yellow_narrow[0] * load(opponent);
+      for (std::size_t i = 1; i < k.blue_yellow_wide.size(); ++i) {
+        const Lanes both = load(opponent - i) + load(opponent + i);
+        wide_sum += k.blue_yellow_wide[i] * both;
+        if (i < k.blue_yellow_narrow.size()) narrow_sum += k.blue_yellow_narrow[i] * both;
+      }
+      put(blue_yellow_wide, wide_sum);
+      put(blue_yellow_narrow, narrow_sum);
       const float* at = y_.data() + x;
       Lanes smooth_sum = k.smooth[0] * load(at);
       Lanes point_sum = all(0);
@@ -249,6 +316,7 @@ class FilteredRows {
 
   const FlipContext& context_;
   const Image& image_;
+  std::optional<float> exposure_;
   PaddedRow y_, cx_, cz_;
   std::array<std::vector<PaddedRow>, plane_count> planes_;
   std::vector<int> row_of_slot_;
@@ -274,32 +342,36 @@ class VerticalFilter {
     }
   }
 
-  Lanes symmetric(int plane, const HalfKernel& kernel, std::uint32_t x) const {
+  // Two groups of lanes, from `x` and the next, so that the rows' addresses are looked up once for both.
+  using Pair = std::array<Lanes, 2>;
+
+  Pair symmetric(int plane, const HalfKernel& kernel, std::uint32_t x) const {
     const float* const* centre = &pointers_[plane * (2 * radius_ + 1) + radius_];
-    Lanes sum = kernel[0] * load(centre[0] + x);
+    Pair sum = {kernel[0] * load(centre[0] + x), kernel[0] * load(centre[0] + x + lane_count)};
     for (std::ptrdiff_t k = 1; k < static_cast<std::ptrdiff_t>(kernel.size()); ++k) {
-      sum += kernel[k] * (load(centre[-k] + x) + load(centre[k] + x));
+      const float *above = centre[-k] + x, *below = centre[k] + x;
+      sum[0] += kernel[k] * (load(above) + load(below));
+      sum[1] += kernel[k] * (load(above + lane_count) + load(below + lane_count));
     }
     return sum;
   }
 
-  // The point detector's weights add up to 0, so the centre may be taken off every pixel. Where the image is flat the
-  // answer is then 0 and not the rounding of the sum, which the square root at the end would blow up.
-  Lanes second_difference(int plane, const HalfKernel& kernel, std::uint32_t x) const {
+  struct Detected {
+    Pair edge, point;
+  };
+  // An antisymmetric and a second difference's kernel of one length. The point detector's weights add up to 0, so the
+  // centre may be taken off every pixel. Where the image is flat the answer is then 0 and not the rounding of the sum,
+  // which the square root at the end would blow up.
+  Detected detect(int plane, const HalfKernel& edge, const HalfKernel& point, std::uint32_t x) const {
     const float* const* centre = &pointers_[plane * (2 * radius_ + 1) + radius_];
-    const Lanes twice_centre = 2.0F * load(centre[0] + x);
-    Lanes sum = all(0);
-    for (std::ptrdiff_t k = 1; k < static_cast<std::ptrdiff_t>(kernel.size()); ++k) {
-      sum += kernel[k] * ((load(centre[-k] + x) + load(centre[k] + x)) - twice_centre);
-    }
-    return sum;
-  }
-
-  Lanes antisymmetric(int plane, const HalfKernel& kernel, std::uint32_t x) const {
-    const float* const* centre = &pointers_[plane * (2 * radius_ + 1) + radius_];
-    Lanes sum = all(0);
-    for (std::ptrdiff_t k = 1; k < static_cast<std::ptrdiff_t>(kernel.size()); ++k) {
-      sum += kernel[k] * (load(centre[k] + x) - load(centre[-k] + x));
+    Detected sum = {{all(0), all(0)}, {all(0), all(0)}};
+    const Pair twice_centre = {2.0F * load(centre[0] + x), 2.0F * load(centre[0] + x + lane_count)};
+    for (std::ptrdiff_t k = 1; k < static_cast<std::ptrdiff_t>(edge.size()); ++k) {
+      for (int g = 0; g < 2; ++g) {
+        const Lanes above = load(centre[-k] + x + g * lane_count), below = load(centre[k] + x + g * lane_count);
+        sum.edge[g] += edge[k] * (below - above);
+        sum.point[g] += point[k] * ((above + below) - twice_centre[g]);
+      }
     }
     return sum;
   }
@@ -313,57 +385,100 @@ void compute_features(const FlipContext& context, const FilteredRows& rows, int 
   using enum FilteredRows::Plane;
   const FlipKernels& k = context.kernels;
   const VerticalFilter filter(rows, y, k.radius);
-  for (std::uint32_t x = 0; x < rows.width(); x += lane_count) {
-    const Lanes luminance = filter.symmetric(achromatic, k.achromatic, x);
-    const Lanes cx = filter.symmetric(red_green, k.red_green, x);
-    const Lanes cz = k.wide_share * filter.symmetric(blue_yellow_wide, k.blue_yellow_wide, x) +
-                     (1 - k.wide_share) * filter.symmetric(blue_yellow_narrow, k.blue_yellow_narrow, x);
-    // Filtered opponent colours can leave the display's gamut; they are clamped to it in linear RGB.
-    const Colour rgb = to_rgb({luminance + cx, luminance, luminance - cz});
-    const Colour lab = hunt_lab(to_xyz({clamp_to_one(rgb.x), clamp_to_one(rgb.y), clamp_to_one(rgb.z)}));
-    store(out.lightness.data() + x, lab.x);
-    store(out.a.data() + x, lab.y);
-    store(out.b.data() + x, lab.z);
-    const Lanes edge_x = filter.symmetric(edge, k.smooth, x);
-    const Lanes edge_y = filter.antisymmetric(smooth, k.edge, x);
-    const Lanes point_x = filter.symmetric(point, k.smooth, x);
-    const Lanes point_y = filter.second_difference(smooth, k.point, x);
-    store(out.edge.data() + x, edge_x * edge_x + edge_y * edge_y);
-    store(out.point.data() + x, point_x * point_x + point_y * point_y);
+  // The last pair may go a group beyond the row, where rows have room.
+  for (std::uint32_t x = 0; x < rows.width(); x += 2 * lane_count) {
+    const auto luminance = filter.symmetric(achromatic, k.achromatic, x);
+    const auto cx = filter.symmetric(red_green, k.red_green, x);
+    const auto wide = filter.symmetric(blue_yellow_wide, k.blue_yellow_wide, x);
+    const auto narrow = filter.symmetric(blue_yellow_narrow, k.blue_yellow_narrow, x);
+    const auto edge_x = filter.symmetric(edge, k.smooth, x), point_x = filter.symmetric(point, k.smooth, x);
+    const auto along_y = filter.detect(smooth, k.edge, k.point, x);
+    for (int g = 0; g < 2; ++g) {
+      const std::uint32_t at = x + g * lane_count;
+      const Lanes cz = k.wide_share * wide[g] + (1 - k.wide_share) * narrow[g];
+      // Filtered opponent colours can leave the display's gamut; they are clamped to it in linear RGB.
+      const Colour rgb = to_rgb({luminance[g] + cx[g], luminance[g], luminance[g] - cz});
+      const Colour lab = hunt_lab(to_xyz({clamp_to_one(rgb.x), clamp_to_one(rgb.y), clamp_to_one(rgb.z)}));
+      store(out.lightness.data() + at, lab.x);
+      store(out.a.data() + at, lab.y);
+      store(out.b.data() + at, lab.z);
+      store(out.edge.data() + at, edge_x[g] * edge_x[g] + along_y.edge[g] * along_y.edge[g]);
+      store(out.point.data() + at, point_x[g] * point_x[g] + along_y.point[g] * along_y.point[g]);
+    }
   }
 }
 
 // Equations of sections 4.1.3 (colour), 4.2 (features) and 4.3 (both).
-float pixel_error(const FlipContext& context, const RowFeatures& a, const RowFeatures& b, std::uint32_t x) {
-  const auto colour = [&](const RowFeatures& row) {
-    return std::array<float, 3>{row.lightness.data()[x], row.a.data()[x], row.b.data()[x]};
+Lanes pixel_errors(const FlipContext& context, const RowFeatures& a, const RowFeatures& b, std::uint32_t x) {
+  const auto difference_of = [x](const PaddedRow& p, const PaddedRow& q) {
+    return load(p.data() + x) - load(q.data() + x);
   };
-  const float difference = std::pow(hyab(colour(a), colour(b)), colour_exponent);
+  const Lanes da = difference_of(a.a, b.a), db = difference_of(a.b, b.b);
+  const Lanes hyab_distance = magnitude(difference_of(a.lightness, b.lightness)) + root(da * da + db * db);
+  const Lanes difference = power(hyab_distance, all(colour_exponent));
   const float knee = compressed_share * context.largest_difference;
-  const float colour_error =
-      difference < knee
-          ? compressed_to / knee * difference
-          : compressed_to + (difference - knee) / (context.largest_difference - knee) * (1 - compressed_to);
-  const float edges = std::abs(std::sqrt(a.edge.data()[x]) - std::sqrt(b.edge.data()[x]));
-  const float points = std::abs(std::sqrt(a.point.data()[x]) - std::sqrt(b.point.data()[x]));
-  const float feature_error = std::sqrt(std::numbers::sqrt2_v<float> / 2 * std::max(edges, points));
-  if (colour_error <= 0) return 0;
-  return std::min(std::pow(colour_error, 1 - feature_error), 1.0F);
+  const Lanes compressed =
+      compressed_to + (difference - knee) / (context.largest_difference - knee) * (1 - compressed_to);
+  const Lanes colour_error = difference < knee ? compressed_to / knee * difference : compressed;
+  const Lanes edges = magnitude(root(load(a.edge.data() + x)) - root(load(b.edge.data() + x)));
+  const Lanes points = magnitude(root(load(a.point.data() + x)) - root(load(b.point.data() + x)));
+  const Lanes feature_error = root(std::numbers::sqrt2_v<float> / 2 * (edges > points ? edges : points));
+  const Lanes error = power(colour_error, 1 - (feature_error < 1 ? feature_error : all(1)));
+  return colour_error > 0 ? (error < 1 ? error : all(1)) : all(0);
 }
 
-void flip_rows(const FlipContext& context, const Image& reference, const Image& test, int first, int end, Image& map) {
-  FilteredRows reference_rows(context, reference);
-  FilteredRows test_rows(context, test);
+// One of the images that HDR-FLIP compares.
+struct Exposure {
+  float factor = 1;
+  std::uint16_t number = 0;
+};
+
+// The larger of FLIP and what the map holds, and where that is FLIP the exposure's number.
+struct ErrorMaps {
+  Image& error;
+  std::vector<std::uint16_t>* at;
+};
+
+inline void flip_rows(const FlipContext& context, const Image& reference, const Image& test,
+                      const std::optional<Exposure>& exposure, int first, int end, const ErrorMaps& maps) {
+  const std::optional<float> factor = exposure ? std::optional(exposure->factor) : std::nullopt;
+  FilteredRows reference_rows(context, reference, factor);
+  FilteredRows test_rows(context, test, factor);
   RowFeatures reference_features(reference.width);
   RowFeatures test_features(test.width);
+  PaddedRow errors(reference.width, 0);
   for (int y = first; y < end; ++y) {
     reference_rows.advance(y);
     test_rows.advance(y);
     compute_features(context, reference_rows, y, reference_features);
     compute_features(context, test_rows, y, test_features);
-    float* out = &map.pixels[map.offset(0, static_cast<std::uint32_t>(y))];
-    for (std::uint32_t x = 0; x < map.width; ++x) out[x] = pixel_error(context, reference_features, test_features, x);
+    for (std::uint32_t x = 0; x < reference.width; x += lane_count)
+      store(errors.data() + x, pixel_errors(context, reference_features, test_features, x));
+    const std::size_t row = maps.error.offset(0, static_cast<std::uint32_t>(y));
+    for (std::uint32_t x = 0; x < reference.width; ++x) {
+      if (!(errors.data()[x] > maps.error.pixels[row + x])) continue;
+      maps.error.pixels[row + x] = errors.data()[x];
+      if (maps.at) (*maps.at)[row + x] = exposure->number;
+    }
   }
+}
+
+// The same code with the instructions of newer processors: the same operations, so the same bits.
+#if defined(__x86_64__)
+__attribute__((target("avx2"), flatten)) void flip_rows_avx2(const FlipContext& context, const Image& reference,
+                                                             const Image& test, const std::optional<Exposure>& exposure,
+                                                             int first, int end, const ErrorMaps& maps) {
+  flip_rows(context, reference, test, exposure, first, end, maps);
+}
+const bool has_avx2 = __builtin_cpu_supports("avx2");
+#endif
+
+void flip_rows_here(const FlipContext& context, const Image& reference, const Image& test,
+                    const std::optional<Exposure>& exposure, int first, int end, const ErrorMaps& maps) {
+#if defined(__x86_64__)
+  if (has_avx2) return flip_rows_avx2(context, reference, test, exposure, first, end, maps);
+#endif
+  flip_rows(context, reference, test, exposure, first, end, maps);
 }
 
 FlipContext make_context(const FlipOptions& options) {
@@ -374,19 +489,18 @@ FlipContext make_context(const FlipOptions& options) {
   return {.kernels = flip_kernels(options.pixels_per_degree), .decode = {}};
 }
 
-// Linear images hold values in 0..1.
-Image flip_map(const FlipContext& context, const Image& reference, const Image& test, unsigned wanted_threads) {
-  Image map(reference.width, reference.height, 1);
+// Into `maps`, rows shared out to threads.
+void compare(const FlipContext& context, const Image& reference, const Image& test,
+             const std::optional<Exposure>& exposure, unsigned wanted_threads, const ErrorMaps& maps) {
   const int height = static_cast<int>(reference.height);
   const int threads = std::clamp(static_cast<int>(wanted_threads), 1, std::max(height / 64, 1));
   std::vector<std::jthread> workers;
   for (int i = 1; i < threads; ++i) {
-    workers.emplace_back(
-        [&, i] { flip_rows(context, reference, test, height * i / threads, height * (i + 1) / threads, map); });
+    workers.emplace_back([&, i] {
+      flip_rows_here(context, reference, test, exposure, height * i / threads, height * (i + 1) / threads, maps);
+    });
   }
-  flip_rows(context, reference, test, 0, height / threads, map);
-  workers.clear();
-  return map;
+  flip_rows_here(context, reference, test, exposure, 0, height / threads, maps);
 }
 
 FlipResult pooled(Image map) {
@@ -408,7 +522,9 @@ FlipResult pooled(Image map) {
 FlipResult flip(const Image& reference, const Image& test, const FlipOptions& options) {
   require_same_shape(reference, test);
   assert(reference.encoding == Encoding::display && test.encoding == Encoding::display);
-  return pooled(flip_map(make_context(options), reference, test, options.threads));
+  Image map(reference.width, reference.height, 1);
+  compare(make_context(options), reference, test, std::nullopt, options.threads, {map, nullptr});
+  return pooled(std::move(map));
 }
 
 HdrFlipResult hdr_flip(const Image& reference, const Image& test, const FlipOptions& options) {
@@ -422,12 +538,8 @@ HdrFlipResult hdr_flip(const Image& reference, const Image& test, const FlipOpti
   for (std::uint32_t i = 0; i < range.count; ++i) {
     const double exposure =
         range.count == 1 ? range.start : range.start + i * (range.stop - range.start) / (range.count - 1);
-    const Image one = flip_map(context, tone_mapped(reference, exposure), tone_mapped(test, exposure), options.threads);
-    for (std::size_t p = 0; p < map.pixels.size(); ++p) {
-      if (!(one.pixels[p] > map.pixels[p])) continue;
-      map.pixels[p] = one.pixels[p];
-      result.at[p] = static_cast<std::uint16_t>(i);
-    }
+    const Exposure here{static_cast<float>(std::exp2(exposure)), static_cast<std::uint16_t>(i)};
+    compare(context, reference, test, here, options.threads, {map, &result.at});
   }
   result.error = pooled(std::move(map));
   return result;

@@ -14,7 +14,10 @@ struct ExposureRange {
 
 ExposureRange exposure_range(const Image& reference);
 
-// 2^exposure times the image through the tone curve, clamped to 0..1; still linear.
-Image tone_mapped(const Image& image, double exposure);
+// Narkowicz's fit of the ACES curve, (a x^2 + b x) / (c x^2 + d x + e), with its pre-exposure of 0.6 taken out, as the
+// paper's authors use it.
+struct ToneCurve {
+  double a = 0.6 * 0.6 * 2.51, b = 0.6 * 0.03, c = 0.6 * 0.6 * 2.43, d = 0.6 * 0.59, e = 0.14;
+};
 
 }  // namespace subpixel::replay

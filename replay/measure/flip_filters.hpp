@@ -6,9 +6,9 @@
 
 namespace subpixel::replay {
 
-// Four neighbouring pixels. Elementwise arithmetic only, so every instruction set computes the same bits.
-using Lanes = float __attribute__((vector_size(16)));
-inline constexpr int lane_count = 4;
+// Eight neighbouring pixels. Elementwise arithmetic only, so every instruction set computes the same bits.
+using Lanes = float __attribute__((vector_size(32)));
+inline constexpr int lane_count = 8;
 
 // One side of a symmetric or antisymmetric one-dimensional kernel: weight[0] belongs to the centre.
 using HalfKernel = std::vector<float>;
