@@ -183,7 +183,7 @@ if [ "${1:-}" = --tests ]; then
   # Node may come from elsewhere than the distribution, with its own npm.
   command -v node >/dev/null || packages+=(nodejs)
   command -v npm >/dev/null || packages+=(npm)
-  # Ubuntu's chromium package is a stub for a snap; a browser that is there already will do.
+  # Ubuntu's chromium package only fetches a snap; a browser that is there already will do.
   . /etc/os-release
   if [ -z "${SUBPIXEL_CHROMIUM:-}" ] && ! command -v chromium >/dev/null && ! command -v google-chrome >/dev/null; then
     if [ "${ID:-}" = ubuntu ]; then say "no browser found: the browser tests will be skipped"; else packages+=(chromium); fi

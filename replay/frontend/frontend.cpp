@@ -7,6 +7,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "capture_format/error.hpp"
+#include "replay/frontend/list_passes.hpp"
 #include "shaders/frontend/frontend_types.h"
 
 namespace subpixel::replay {
@@ -18,7 +19,7 @@ struct FrontendPush {
   std::uint32_t chunk_count, triangle_slots, piece_capacity;
 };
 
-// Push constants of chunk_sum.comp; of scan.comp the first.
+// Push constants of chunk_sum.comp.
 struct SumPush {
   std::uint32_t chunk_count, triangle_slots, small_bits;
 };
@@ -209,10 +210,7 @@ void Frontend::record_culling(gpu::PassRecorder& recorder) {
   sum.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(sum);
 
-  sum.shader = "frontend/scan.comp";
-  sum.bindings = {gpu::writes(0, sums_)};
-  sum.groups = {1, 1, 1};
-  recorder.compute(sum);
+  record_scan(recorder, "setup", sums_, chunk_count_);
 }
 
 void Frontend::record_setup(gpu::PassRecorder& recorder) {
@@ -266,10 +264,7 @@ void Frontend::record_small_list(gpu::PassRecorder& recorder, const std::string&
   pass.push = gpu::PushConstants(sum_push);
   pass.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(pass);
-  pass.shader = "frontend/scan.comp";
-  pass.bindings = {gpu::writes(0, rest_sums_)};
-  pass.groups = {1, 1, 1};
-  recorder.compute(pass);
+  record_scan(recorder, name, rest_sums_, chunk_count_);
   struct {
     std::uint32_t chunk_count, triangle_slots, hull_capacity, small_capacity, small_bits;
   } const push{chunk_count_, triangle_slots(), static_cast<std::uint32_t>(hull_triangles_),
@@ -307,10 +302,7 @@ void Frontend::record_visible(gpu::PassRecorder& recorder, gpu::Image& visibilit
                    gpu::reads(4, visible_)};
   pass.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(pass);
-  pass.shader = "frontend/scan.comp";
-  pass.bindings = {gpu::writes(0, visible_sums_)};
-  pass.groups = {1, 1, 1};
-  recorder.compute(pass);
+  record_scan(recorder, "compaction", visible_sums_, chunk_count_);
   pass.shader = "frontend/emit.comp:VISIBLE";
   pass.bindings = {gpu::reads(0, counts_), gpu::reads(1, visible_sums_), gpu::writes(2, visible_indices_),
                    gpu::reads(3, piece_bases_), gpu::reads(4, visible_)};

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "capture_format/error.hpp"
@@ -18,13 +17,6 @@ constexpr VkImageUsageFlags kTarget =
 bool narrow_samples(const FrameSetup& setup) {
   const SceneFeatures features = setup.scene.features();
   return !features.has(FEATURE_EMISSIVE) && !(features.has(FEATURE_METAL) && features.has(FEATURE_VARYING_ROUGHNESS));
-}
-
-gpu::PushConstants scene_roughness(GpuScene& scene) {
-  if (scene.draws().empty()) return gpu::PushConstants(0u);
-  const auto& material = scene.materials.as<gpu_types::MaterialRecord>()[scene.draws().front().material];
-  const float steps = std::clamp(material.metal_rough.y, 0.0f, 1.0f) * 255.0f;
-  return gpu::PushConstants(static_cast<std::uint32_t>(std::nearbyint(steps)));  // as packing.glsl rounds
 }
 
 std::uint32_t gbuffer_group(std::uint32_t samples) {
@@ -132,7 +124,6 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
   pass.pipeline.constants.emplace_back(6, gbuffer_group(setup.samples));
   pass.pipeline.targets.colours = {kFloats};
   pass.pipeline.targets.clear = group == 0;
-  pass.push = scene_roughness(setup.scene);
   pass.pipeline.additive = true;
   pass.colours = {{sum}};
   pass.clear_colours = {{}};

@@ -12,10 +12,6 @@ std::uint32_t gbuffer_group(std::uint32_t samples);
 // What shaders/deferred/stored_sample.glsl stores of a sample: 8 bytes where they hold all that varies in the scene,
 // else 16.
 bool narrow_samples(const FrameSetup& setup);
-// What passes push that read stored samples: the roughness of the frame's first surface, 8 bits, which is that of all
-// surfaces where samples don't hold it.
-gpu::PushConstants scene_roughness(GpuScene& scene);
-
 // RG32UI or RGBA32UI array, a stored sample in each layer: of gbuffer_group(samples) layers, or of all samples.
 gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, bool all_samples = false);
 // Fills it for sample group `group`, whose layers follow those of the groups before when it has all samples; pass

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "replay/frontend/list_passes.hpp"
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/linked_list/linked_list_types.h"
@@ -121,12 +122,7 @@ void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   pass.groups = {(tiles + 63) / 64, 1, 1};
   recorder.compute(pass);
 
-  gpu::ComputePass scan;
-  scan.name = kLink;
-  scan.shader = "frontend/scan.comp";
-  scan.bindings = {gpu::writes(0, needed)};
-  scan.push = gpu::PushConstants(sums);
-  recorder.compute(std::move(scan));
+  record_scan(recorder, kLink, needed, sums);
 
   pass.shader = "techniques/linked_list/link.comp";
   recorder.compute(std::move(pass));

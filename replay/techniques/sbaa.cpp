@@ -115,7 +115,6 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   shade.pipeline.constants.emplace_back(7, kept);
   shade.pipeline.targets.colours = {sum.description().format};
   shade.pipeline.targets.clear = true;
-  shade.push = scene_roughness(setup.scene);
   shade.colours = {{sum}};
   shade.clear_colours = {{}};
   shade.bindings.insert(shade.bindings.end(), {gpu::samples(0, visibility), gpu::samples(1, stored),

@@ -64,7 +64,6 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   simple.bindings.push_back(gpu::samples(1, gbuffer));
   simple.bindings.push_back(gpu::samples(2, flags));
   const std::vector<gpu::Binding> lights = lighting_pass(setup, "", "").bindings;
-  simple.push = scene_roughness(setup.scene);
   const gpu::Constants constants = simple.pipeline.constants;
   recorder.raster(std::move(simple));
 
@@ -74,7 +73,6 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
     complex.name = "shade complex";
     complex.shader = "techniques/simple_complex/complex.comp";
     complex.constants = constants;
-    complex.push = scene_roughness(setup.scene);
     complex.bindings = lights;
     complex.bindings.insert(complex.bindings.end(), {gpu::samples(0, visibility), gpu::samples(1, gbuffer),
                                                      gpu::reads(0, *list.pixels), gpu::image_writes(0, sum)});

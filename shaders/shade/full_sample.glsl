@@ -11,7 +11,6 @@
 
 layout(constant_id = 0) const uint SAMPLES = 8u;
 layout(set = 0, binding = 13) uniform usampler2DArray gbuffer;
-layout(push_constant) uniform Push { uint scene_roughness; } push;
 
 // rgb the resolvable value, a the lighting executions, 1 or 0; `layer` of the G-buffer holds sample s.
 vec4 full_sample_value(ivec2 pixel, uint s, uint layer) {
@@ -28,7 +27,7 @@ vec4 full_sample_value(ivec2 pixel, uint s, uint layer) {
   vec4 value = vec4(resolvable(frame.sky.rgb), 0.0);
   for (bool covered = triangle != SUBPIXEL_NO_TRIANGLE; covered; covered = false) {
     vec2 position = vec2(pixel) + 0.5 + vec2(sample_offset(SAMPLES, s)) * (1.0 / 128.0);
-    Surface surface = surface_of_stored(texelFetch(gbuffer, ivec3(pixel, layer), 0), push.scene_roughness);
+    Surface surface = surface_of_stored(texelFetch(gbuffer, ivec3(pixel, layer), 0));
     surface.position = world_position(position, uintBitsToFloat(depth));
     value = vec4(resolvable(shade(surface, normalize(frame.eye.xyz - surface.position))), 1.0);
   }

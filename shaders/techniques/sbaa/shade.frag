@@ -15,7 +15,6 @@ layout(constant_id = 7) const uint SURFACES = 4u;
 layout(set = 0, binding = 13) uniform usampler2D surfaces;
 layout(set = 0, binding = 14) uniform usampler2DArray gbuffer;
 layout(set = 0, binding = 15) uniform usampler2D dropped;
-layout(push_constant) uniform Push { uint scene_roughness; } push;
 layout(location = 0) out vec4 out_sum;
 
 // Where the attributes of a surface were taken, as near as depth and description tell: the pixel's centre when it has all
@@ -45,7 +44,7 @@ void main() {
     // A loop, so that groups of pixels that have no such surface skip the lighting.
     for (bool stored = word != 0u; stored; stored = false) {
       uvec4 words = texelFetch(gbuffer, ivec3(pixel, k), 0);
-      Surface surface = surface_of_stored(narrow_samples() ? words_of_halves(words) : words, push.scene_roughness);
+      Surface surface = surface_of_stored(narrow_samples() ? words_of_halves(words) : words);
       surface.position = surface_position(pixel, word);
       vec3 value = resolvable(shade(surface, normalize(frame.eye.xyz - surface.position)));
       sum += value * float(surface_samples(word));
