@@ -20,6 +20,7 @@
 #include "replay/measure/metrics.hpp"
 #include "replay/reference/reference.hpp"
 #include "replay/reference/reference_cache.hpp"
+#include "replay/scene/lights.hpp"
 #include "replay/techniques/frame_setup.hpp"
 
 namespace subpixel::replay {
@@ -191,6 +192,8 @@ Results Replay::run() {
   const auto [first, last] = frame_range(options_, capture_.frames.size());
   make_head();
   // Before the work that would be lost.
+  if (!options_.point_lights)
+    for (std::uint32_t frame = first; frame <= last; ++frame) require_few_lights(capture_.frames[frame], frame);
   std::error_code error;
   std::filesystem::create_directories(job_.out_dir, error);
   if (error) throw InputError("output folder", "can't be made: " + error.message(), job_.out_dir.string());

@@ -10,6 +10,7 @@
 #include "replay/techniques/technique.hpp"
 #include "server/json_document.hpp"
 #include "server/text.hpp"
+#include "shaders/include/shared_types.h"
 
 namespace subpixel::server {
 namespace {
@@ -21,7 +22,8 @@ constexpr std::string_view kWhat = "run request";
 constexpr std::size_t kMaxTechniques = 256;
 constexpr std::uint64_t kMaxResults = 100'000;
 
-constexpr Range kSize{1, 16384}, kRepeat{1, 100}, kReferenceSamples{0, 65536}, kPointLights{0, 4096};
+constexpr Range kSize{1, 16384}, kRepeat{1, 100}, kReferenceSamples{0, 65536},
+    kPointLights{0, SUBPIXEL_MAX_POINT_LIGHTS};
 
 replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t index, std::uint32_t samples) {
   check_names(entry, {"technique", "parameters"}, std::string(kWhat), fmt::format("techniques[{}]", index));

@@ -138,7 +138,7 @@ export function runForm(capture, registry) {
   const repeat = h('input', {type: 'number', min: 1, max: 100, value: 3, required: true});
   const reference = h('select', {}, [[512, '512'], [256, '256'], [64, '64 (quick look)'], [0, 'none: no error']]
     .map(([value, label]) => h('option', {value}, label)));
-  const lights = h('input', {type: 'number', min: 0, max: 4096, placeholder: 'as recorded'});
+  const lights = h('input', {type: 'number', min: 0, max: 1024, placeholder: 'as recorded'});
   const text = h('input', {type: 'text', placeholder: 'streaming:surfaces=1..4,msaa:samples=4|16', spellcheck: 'false'});
   const problem = h('p.problem', {role: 'alert'});
   const start = h('button.primary', {type: 'submit'}, 'Start run');

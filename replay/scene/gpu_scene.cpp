@@ -244,6 +244,7 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
                     1.0f / static_cast<float>(height)};
   value.tone.x = frame.exposure;
   if (!draws_.empty()) value.tone.y = capture_.materials[draws_.front().material].roughness;
+  if (!impl_->options.point_lights) require_few_lights(frame, index);
   const auto lights = light_constants(impl_->lights_of(frame));
   std::copy(lights.begin(), lights.end(), value.point_lights);
   value.counts = {static_cast<std::uint32_t>(lights.size()), static_cast<std::uint32_t>(capture_.materials.size()),

@@ -1,7 +1,12 @@
 #include "replay/scene/lights.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+
+#include "capture_format/error.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -34,10 +39,19 @@ bool finite(float value) {
 
 }  // namespace
 
+void require_few_lights(const capture::Frame& frame, std::uint32_t index) {
+  if (frame.point_lights.size() <= SUBPIXEL_MAX_POINT_LIGHTS) return;
+  throw InputError(
+      fmt::format("frame {}", index),
+      fmt::format("it has {} point lights, at most {} can be shaded; a replay that asks for so many takes the first",
+                  frame.point_lights.size(), SUBPIXEL_MAX_POINT_LIGHTS),
+      "point_lights");
+}
+
 std::vector<gpu_types::PointLightConstants> light_constants(const std::vector<capture::PointLight>& lights) {
+  assert(lights.size() <= SUBPIXEL_MAX_POINT_LIGHTS);
   std::vector<gpu_types::PointLightConstants> result;
   for (const auto& light : lights) {
-    if (result.size() == SUBPIXEL_MAX_POINT_LIGHTS) break;
     if (!std::all_of(light.position.begin(), light.position.end(), finite) ||
         !std::all_of(light.intensity.begin(), light.intensity.end(), finite) || !finite(light.range) ||
         light.range < 1e-6f)

@@ -11,6 +11,7 @@
 #include "server/json_document.hpp"
 #include "server/run_request.hpp"
 #include "server/text.hpp"
+#include "shaders/include/shared_types.h"
 
 namespace subpixel::server {
 namespace {
@@ -20,8 +21,8 @@ using replay::JsonField;
 
 const std::string kWhat = "nightly configuration";
 
-constexpr Range kSide{1, 16384}, kRepeat{1, 1000}, kReferenceSamples{0, 4096}, kPointLights{0, 256},
-    kKeep{0, 1'000'000}, kConfirm{0, 10};
+constexpr Range kSide{1, 16384}, kRepeat{1, 1000}, kReferenceSamples{0, 4096},
+    kPointLights{0, SUBPIXEL_MAX_POINT_LIGHTS}, kKeep{0, 1'000'000}, kConfirm{0, 10};
 constexpr std::size_t kMaxNameBytes = 100;
 
 constexpr std::string_view kMetrics[] = {"mse", "flip_mean", "flip_p99", "flip_max", "hdr_rel_mse", "flicker"};

@@ -11,7 +11,8 @@ using glm::uvec4;
 using glm::vec4;
 #endif
 
-#define SUBPIXEL_MAX_POINT_LIGHTS 256
+// In a uniform buffer; linked_list walks up to 32 surfaces a pixel, so loops stay below the 65,535 turns of Mesa 22.3.
+#define SUBPIXEL_MAX_POINT_LIGHTS 1024
 // Shadow maps of growing reach around the eye, in the quadrants of one image: 0 1 over 2 3.
 #define SUBPIXEL_SHADOW_CASCADES 4
 

@@ -153,6 +153,28 @@ TEST_P(FeaturesOf, AMaterialThatIsNotDrawnChangesNothing) {
   }
 }
 
+// As many lights as a frame may have, of which the last alone shines: it must reach every surface of a pixel. Lights
+// without intensity add 0.
+TEST_P(FeaturesOf, TheLastOfManyLightsIsLit) {
+  capture::Capture capture = capture::generate("hard_many_lights", {.frames = 1, .width = 48, .height = 36});
+  auto& lights = capture.frames[0].point_lights;
+  capture::PointLight bright = lights[0];
+  bright.position = {0, 0.5f, 1};
+  bright.intensity = {4, 3, 2};
+  bright.range = 20;
+  capture::PointLight dark = bright;
+  dark.intensity = {0, 0, 0};
+  lights = {bright};
+  CaseScene alone(test_device(), capture);
+  const CaseResult expected = alone.run(*GetParam());
+  lights.assign(SUBPIXEL_MAX_POINT_LIGHTS, dark);
+  lights.back() = bright;
+  CaseScene last(test_device(), capture);
+  const CaseResult result = last.run(*GetParam());
+  EXPECT_EQ(result.radiance.pixels, expected.radiance.pixels);
+  EXPECT_GT(*std::max_element(result.radiance.pixels.begin(), result.radiance.pixels.end()), 0.01f);
+}
+
 TEST_P(FeaturesOf, FittedLayoutsHoldOnlyWhatTheSceneNeeds) {
   CaseScene plain(test_device(), plain_scene());
   CaseScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures});

@@ -100,7 +100,7 @@ TEST(SceneDevice, PointLightsAreAsManyAsAskedFor) {
   GpuScene as_captured(test_device(), capture, {});
   as_captured.set_frame(0, 8, 8);
   EXPECT_EQ(as_captured.constants().counts.x, 1u);
-  EXPECT_THROW(GpuScene(test_device(), capture, {.point_lights = 257}), UsageError);
+  EXPECT_THROW(GpuScene(test_device(), capture, {.point_lights = SUBPIXEL_MAX_POINT_LIGHTS + 1}), UsageError);
 }
 
 TEST(SceneDevice, WhatCantBeUsedIsNamed) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "capture_format/error.hpp"
 #include "capture_format/generate/generate.hpp"
 #include "replay/scene/frame_points.hpp"
 
@@ -56,12 +57,25 @@ TEST(SceneLights, LieInsideTheSceneAndTheView) {
   EXPECT_GE(in_view, 30);
 }
 
-TEST(SceneLights, BrokenLightsAreLeftOutAndTheCountIsBounded) {
+TEST(SceneLights, BrokenLightsAreLeftOutAndTooManyRefused) {
   capture::PointLight good, far, flat;
   far.position[1] = std::numeric_limits<float>::infinity();
   flat.range = 0;
   EXPECT_EQ(light_constants({good, far, flat, good}).size(), 2u);
-  EXPECT_EQ(light_constants(std::vector<capture::PointLight>(1000, good)).size(), SUBPIXEL_MAX_POINT_LIGHTS);
+  capture::Frame frame;
+  frame.point_lights.assign(SUBPIXEL_MAX_POINT_LIGHTS, good);
+  EXPECT_NO_THROW(require_few_lights(frame, 3));
+  EXPECT_EQ(light_constants(frame.point_lights).size(), SUBPIXEL_MAX_POINT_LIGHTS);
+  frame.point_lights.push_back(far);
+  try {
+    require_few_lights(frame, 3);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "frame 3: it has 1025 point lights, at most 1024 can be shaded; a replay that asks for so many takes the "
+              "first: "
+              "point_lights");
+  }
   EXPECT_FLOAT_EQ(light_constants({good})[0].intensity.w, 0.01f);
 }
 
