@@ -121,6 +121,7 @@ std::vector<Format> formats() {
   });
   depth("16 bits, reversed", [](const ExactFrame&, const glm::dvec2&, double z) { return to_unorm(z, 16); });
   surface("normal", "octahedral 2x16 (ours)", [](ExactSurface& s) { s.normal = octahedral(s.normal, 16); });
+  surface("normal", "octahedral 2x12 (hybrid)", [](ExactSurface& s) { s.normal = octahedral(s.normal, 12); });
   surface("normal", "octahedral 2x8", [](ExactSurface& s) { s.normal = octahedral(s.normal, 8); });
   surface("normal", "spherical 2x8 (AGAA, visibility)", [](ExactSurface& s) { s.normal = spherical(s.normal, 8); });
   surface("normal", "3x8", [](ExactSurface& s) { s.normal = three_bytes(s.normal); });

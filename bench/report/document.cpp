@@ -64,7 +64,7 @@ std::string head(const Measured& measured, const std::string& command) {
          "claim is left\n"
          "undecided there. MSE and FLIP are of display values against the reference. `S` are surfaces, `c` aggregates, "
          "`8x` samples;\n"
-         "what a setting's name does not say is the default (8 samples, `dcaa` 64).\n\n";
+         "what a setting's name does not say is the default (8 samples, `dcaa` and `hybrid` 64).\n\n";
 }
 
 // "3. streaming: three surfaces look like 8x MSAA", and the anchor that Markdown readers make of a heading.

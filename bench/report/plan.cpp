@@ -29,9 +29,10 @@ constexpr std::string_view kSweeps =
     "noaa,msaa:samples=8|4|16,fxaa,forward:samples=8|4,simple_complex:samples=8|4,sbaa:surfaces=2|4|6,sbaa:mode=id,"
     "streaming:surfaces=1..4,streaming:samples=4,streaming:occlusion=depth_test,linked_list:samples=8|4,"
     "agaa:aggregates=1..4,agaa:samples=16,agaa:aggregates=3:samples=4|16,agaa:ndf=sggx,"
-    "dcaa:surfaces=2|4|8,dcaa:samples=16|32";
+    "dcaa:surfaces=2|4|8,dcaa:samples=16|32,hybrid:surfaces=2|3|4|8,hybrid:normals=mean,hybrid:second_merge="
+    "overlapping";
 constexpr std::string_view kMain =
-    "noaa,msaa:samples=8|4,fxaa,forward,simple_complex,sbaa,streaming,linked_list:samples=8|4,agaa,dcaa";
+    "noaa,msaa:samples=8|4,fxaa,forward,simple_complex,sbaa,streaming,linked_list:samples=8|4,agaa,dcaa,hybrid";
 constexpr std::string_view kAggregateTimes =
     "simple_complex:samples=8,agaa:samples=8,simple_complex:samples=32,agaa:samples=32";
 constexpr std::string_view kListTimes = "noaa,msaa:samples=4|8,linked_list:samples=4|8,linked_list:samples=4|8:pool=0";

@@ -38,7 +38,8 @@ bool roughness_in_normal(const FrameSetup& setup) {
 std::uint32_t aggregate_words(const FrameSetup& setup) {
   const std::uint32_t emission = setup.scene.features().has(FEATURE_EMISSIVE) ? 3 : 0;
   if (float_storage(setup)) return 11 + emission + (sggx(setup) ? 6 : 0);
-  return 4 + (setup.samples > 8 ? 1 : 0) + emission + (sggx(setup) ? 3 : 0);
+  return 3 + (setup.scene.features().has(FEATURE_METAL) ? 1 : 0) + (setup.samples > 8 ? 1 : 0) + emission +
+         (sggx(setup) ? 3 : 0);
 }
 
 MemoryLayout layout(const FrameSetup& setup) {
@@ -261,45 +262,22 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   record_maps(recorder, setup, visibility, space, state);
 }
 
-Parameter number(std::string_view name, std::string_view doc, std::string_view unit, double minimum, double maximum,
-                 double default_value) {
-  Parameter p;
-  p.name = name;
-  p.kind = ParameterKind::number;
-  p.doc = doc;
-  p.unit = unit;
-  p.minimum = minimum;
-  p.maximum = maximum;
-  p.default_value = default_value;
-  return p;
-}
-
 Parameters parameters() {
-  Parameter count;
-  count.name = "aggregates";
-  count.doc = "aggregates a pixel may have";
-  count.minimum = 1;
-  count.maximum = AGAA_MAX_AGGREGATES;
-  count.default_value = 2;
-  Parameter taps;
-  taps.name = "shadow_taps";
-  taps.doc = "points of an aggregate's footprint at which its shadow is looked up";
-  taps.minimum = 1;
-  taps.maximum = 8;
-  taps.allowed = {1, 2, 4, 8};
-  taps.default_value = 4;
-  return {count,
+  return {integer_parameter("aggregates", "aggregates a pixel may have", 1, AGAA_MAX_AGGREGATES, 2),
           samples_parameter({4, 8, 16, 32}, 8),
-          number("length", "largest scale of local detail: a distance as large parts samples as opposite normals do",
-                 "world units", 1e-6, 1e6, 0.1),
-          number("separation", "an aggregate is only made farther than this from the others, in the paper's distance",
-                 "", 0, 1e6, 0.01),
+          number_parameter("length",
+                           "largest scale of local detail: a distance as large parts samples as opposite normals do",
+                           "world units", 1e-6, 1e6, 0.1),
+          number_parameter("separation",
+                           "an aggregate is only made farther than this from the others, in the paper's distance", "",
+                           0, 1e6, 0.01),
           choice_parameter(
               "ndf", "distribution of normals: isotropic, by the mean's length, or anisotropic, by second moments",
               {"toksvig", "sggx"}),
           choice_parameter("roughness", "kept as a mean, or by shortening the normals", {"mean", "in_normal"}),
           choice_parameter("storage", "sums in the paper's fixed point, or in floats", {"fixed", "float"}),
-          taps,
+          integer_parameter("shadow_taps", "points of an aggregate's footprint at which its shadow is looked up", 1, 8,
+                            4, {1, 2, 4, 8}),
           alpha_parameter(),
           resolve_parameter(),
           shading_parameter()};

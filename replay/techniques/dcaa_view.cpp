@@ -29,7 +29,10 @@ gpu_types::DcaaView dcaa_view(const glm::mat4& view_projection, std::uint32_t wi
   view.normal_x = four(glm::cross(ray_dy, ray0) * side, 0);
   view.normal_y = four(glm::cross(ray0, ray_dx) * side, 0);
   view.normal_1 = four(normal_1 * side, 0);
-  view.terms = glm::vec4(perspective ? 1.0f : 0.0f, static_cast<float>(scale), 0, 0);
+  // The eye has clip coordinates (0, 0, w, 0).
+  const double eye_depth = perspective ? 1 / glm::inverse(glm::dmat4(view_projection))[2][3] : 1;
+  const double along = std::isfinite(eye_depth) && eye_depth > 0 ? eye_depth : 1;
+  view.terms = glm::vec4(perspective ? 1.0f : 0.0f, static_cast<float>(scale), static_cast<float>(along), 0);
   return view;
 }
 

@@ -25,6 +25,31 @@ Parameter choice_parameter(std::string_view name, std::string_view doc, std::vec
   return p;
 }
 
+Parameter integer_parameter(std::string_view name, std::string_view doc, double minimum, double maximum,
+                            int default_value, std::vector<double> allowed) {
+  Parameter p;
+  p.name = name;
+  p.doc = doc;
+  p.minimum = minimum;
+  p.maximum = maximum;
+  p.allowed = std::move(allowed);
+  p.default_value = default_value;
+  return p;
+}
+
+Parameter number_parameter(std::string_view name, std::string_view doc, std::string_view unit, double minimum,
+                           double maximum, double default_value) {
+  Parameter p;
+  p.name = name;
+  p.kind = ParameterKind::number;
+  p.doc = doc;
+  p.unit = unit;
+  p.minimum = minimum;
+  p.maximum = maximum;
+  p.default_value = default_value;
+  return p;
+}
+
 Parameter condition_parameter(std::string_view name, std::string_view doc) {
   Parameter p;
   p.name = name;

@@ -36,6 +36,11 @@ struct FrameSetup {
 Parameter samples_parameter(std::vector<double> allowed, int default_value);
 // One of `choices`, of which the first is the default; one that is on by default.
 Parameter choice_parameter(std::string_view name, std::string_view doc, std::vector<std::string_view> choices);
+// `allowed` as in Parameter: empty for every whole number of the range.
+Parameter integer_parameter(std::string_view name, std::string_view doc, double minimum, double maximum,
+                            int default_value, std::vector<double> allowed = {});
+Parameter number_parameter(std::string_view name, std::string_view doc, std::string_view unit, double minimum,
+                           double maximum, double default_value);
 Parameter condition_parameter(std::string_view name, std::string_view doc);
 Parameter alpha_parameter();
 Parameter resolve_parameter();

@@ -28,7 +28,9 @@ std::uint64_t pixels(const FrameSetup& setup) {
 }
 
 std::uint64_t pair_words(const FrameSetup& setup) {
-  return LINK_PAIR_WORDS + (setup.scene.features().has(FEATURE_EMISSIVE) ? 2 : 0);
+  const SceneFeatures features = setup.scene.features();
+  const bool shared = features.has(FEATURE_METAL) && features.has(FEATURE_VARYING_ROUGHNESS);
+  return LINK_PAIR_WORDS - (shared ? 0 : 1) + (features.has(FEATURE_EMISSIVE) ? 2 : 0);
 }
 
 std::uint32_t allocation(const FrameSetup& setup) {

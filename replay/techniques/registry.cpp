@@ -5,11 +5,12 @@
 
 namespace subpixel::replay {
 
-extern const Technique kNoaa, kFxaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming, kAgaa, kDcaa, kLinkedList;
+extern const Technique kNoaa, kFxaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming, kAgaa, kDcaa, kLinkedList,
+    kHybrid;
 
 std::span<const Technique* const> techniques() {
   static constexpr const Technique* kAll[] = {
-      &kNoaa, &kFxaa, &kForward, &kMsaa, &kSimpleComplex, &kSbaa, &kStreaming, &kAgaa, &kDcaa, &kLinkedList,
+      &kNoaa, &kFxaa, &kForward, &kMsaa, &kSimpleComplex, &kSbaa, &kStreaming, &kAgaa, &kDcaa, &kLinkedList, &kHybrid,
   };
   return kAll;
 }

@@ -212,28 +212,6 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Sta
   });
 }
 
-Parameter surfaces_parameter() {
-  Parameter p;
-  p.name = "surfaces";
-  p.doc = "surfaces kept for a pixel";
-  p.minimum = 1;
-  p.maximum = STREAM_MAX_SURFACES;
-  p.default_value = 3;
-  return p;
-}
-
-Parameter normal_angle_parameter() {
-  Parameter p;
-  p.name = "normal_angle";
-  p.kind = ParameterKind::number;
-  p.doc = "largest angle between the normals of fragments that merge";
-  p.unit = "radians";
-  p.minimum = 0;
-  p.maximum = std::numbers::pi;
-  p.default_value = std::numbers::pi / 4;
-  return p;
-}
-
 }  // namespace
 
 StreamingState record_streaming(gpu::PassRecorder& recorder, const FrameSetup& setup) {
@@ -255,7 +233,10 @@ const Technique kStreaming{
     "streaming",
     "Streaming G-buffer compression",
     "Kerzner, Salvi: Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing. High-Performance Graphics 2014",
-    {surfaces_parameter(), samples_parameter({4, 8, 16, 32}, 8), normal_angle_parameter(),
+    {integer_parameter("surfaces", "surfaces kept for a pixel", 1, STREAM_MAX_SURFACES, 3),
+     samples_parameter({4, 8, 16, 32}, 8),
+     number_parameter("normal_angle", "largest angle between the normals of fragments that merge", "radians", 0,
+                      std::numbers::pi, std::numbers::pi / 4),
      condition_parameter("merge_normals", "fragments merge only when their normals align"),
      condition_parameter("merge_depth", "fragments merge only when their depth intervals overlap"),
      condition_parameter("merge_coverage", "fragments merge only when they share no sample"),

@@ -8,24 +8,30 @@
 
 #include "include/packing.glsl"
 
-bool narrow_samples() {
-  return !has_feature(FEATURE_EMISSIVE) && !(has_feature(FEATURE_METAL) && has_feature(FEATURE_VARYING_ROUGHNESS));
+// Does one byte beside albedo and normal hold what a surface needs, its emission left out?
+bool one_byte_more() { return !(has_feature(FEATURE_METAL) && has_feature(FEATURE_VARYING_ROUGHNESS)); }
+bool narrow_samples() { return !has_feature(FEATURE_EMISSIVE) && one_byte_more(); }
+
+// The two words of such a surface from those of packing.glsl, and back.
+uvec2 narrowed(uvec4 packed) {
+  // Without metal the metallic byte is 0.
+  return uvec2(has_feature(FEATURE_METAL) ? packed.x : packed.x | packed.z << 24, packed.y);
+}
+uvec4 widened(uvec2 stored, uint emission) {
+  const uint kFull = 255u << 8;  // occlusion, which no material has
+  if (has_feature(FEATURE_METAL)) return uvec4(stored, rounded(clamp(frame.tone.y, 0.0, 1.0) * 255.0) | kFull, emission);
+  return uvec4(stored.x & 0xffffffu, stored.y, stored.x >> 24 | kFull, emission);
 }
 
 // Two words are in x and y.
 uvec4 stored_sample(Surface s) {
   uvec4 packed = pack_surface(s);
-  if (!narrow_samples()) return packed;
-  // Without metal the metallic byte is 0.
-  return uvec4(has_feature(FEATURE_METAL) ? packed.x : packed.x | packed.z << 24, packed.y, 0u, 0u);
+  return narrow_samples() ? uvec4(narrowed(packed), 0u, 0u) : packed;
 }
 
 // All but the position.
 Surface surface_of_stored(uvec4 stored) {
-  const uint kFull = 255u << 8;  // occlusion, which no material has
-  if (narrow_samples() && has_feature(FEATURE_METAL)) stored.zw = uvec2(rounded(clamp(frame.tone.y, 0.0, 1.0) * 255.0) | kFull, 0u);
-  if (narrow_samples() && !has_feature(FEATURE_METAL)) stored = uvec4(stored.x & 0xffffffu, stored.y, stored.x >> 24 | kFull, 0u);
-  return unpack_surface(stored);
+  return unpack_surface(narrow_samples() ? widened(stored.xy, 0u) : stored);
 }
 
 #endif

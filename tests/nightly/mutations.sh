@@ -24,6 +24,7 @@ mutations=(
   "depth reach|shaders/techniques/simple_complex/classification.glsl|s/abs(depths\[i\] - depth) > reach/abs(depths[i] - depth) > 2.0 * reach/|more pixels count as simple"
   "equal depths|shaders/frontend/visibility_small.frag|s/own < triangles\[q\]\[i\]/own > triangles[q][i]/|of equal depths of small triangles the last submitted stays"
   "shared depth|shaders/techniques/dcaa/merge.glsl|s/share >= 0.0 \&\& score/share >= 0.2 \&\& score/|surfaces merge only when their depths overlap by a fifth"
+  "joined part|shaders/techniques/dcaa/merge.glsl|s/^    if (kNearest) gone.coverage = leaving_shows;//|a surface that joins another brings samples of which it shows nothing"
   "edge tolerance|shaders/techniques/fxaa/filter.frag|s/tolerance = 0.25 \* abs(other - m)/tolerance = 0.3 * abs(other - m)/|where an edge's end is seen"
   "slower filter|shaders/techniques/fxaa/filter.frag|s/^  vec4 own = texelFetch(values, pixel, 0);/  float idle = m; for (uint i = 0u; i < push.steps * 400u; ++i) idle = fract(idle * 1.7 + 0.3);\n  vec4 own = texelFetch(values, pixel, 0) + vec4(vec3(idle * 1e-35), 0.0);/|the same image from a shader that takes far longer"
   "layout entry|replay/techniques/streaming.cpp|s/memory.fitted = {{\"depth\", 32 \* n}, {\"count word\", 32}/memory.fitted = {{\"depth\", 32 * n}, {\"count word\", 24}/|one byte a pixel less is reported"

@@ -2,7 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "capture_format/generate/generate.hpp"
-#include "replay/techniques/dcaa_prepass.hpp"
+#include "replay/techniques/dcaa_passes.hpp"
+#include "shaders/techniques/dcaa/dcaa_types.h"
 #include "tests/technique/frontend_fixture.hpp"
 #include "tests/technique/technique_run.hpp"
 
@@ -19,8 +20,8 @@ Found compare(const capture::Capture& capture, std::uint32_t width, std::uint32_
   const ParameterValues parameters =
       check_parameters("dcaa", find_technique("dcaa").parameters, {{"coverage", "exact"}});
   FrameOutputs outputs;
-  gpu::Image& image =
-      record_depth_bound(run.recorder, {run.scene, run.frontend, width, height, 64, parameters, outputs});
+  gpu::Image& image = record_depth_bound(
+      run.recorder, {run.scene, run.frontend, width, height, 64, parameters, outputs}, {.options = DCAA_PREPASS});
   run.run();
   const auto texels = texels_of<glm::uvec4>(device, image);
   Found found;

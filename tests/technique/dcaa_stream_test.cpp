@@ -67,7 +67,7 @@ gpu_types::DcaaView test_view() {
   view.ray_dx = {2.0f / 640, 0, 0, -1e-4f};
   view.ray_dy = {0, -2.0f / 640, 0, 0.9f};
   view.ray0 = {-319.5f / 320, 179.5f / 320, -1, 0};
-  view.terms = {1, 0.0001f, 0, 0};
+  view.terms = {1, 0.0001f, 0.1f, 0};
   return view;
 }
 
@@ -80,6 +80,7 @@ PixelView at_pixel(const gpu_types::DcaaView& view, std::uint32_t x, std::uint32
             view.ray0.z + (fx * at.dx.z + fy * at.dy.z)};
   at.rays_differ = view.terms.x;
   at.scale = view.terms.y;
+  at.place = view.terms.z;
   at.most_along = view.ray_dx.w;
   at.most_slope = view.ray_dy.w;
   return at;
@@ -126,11 +127,13 @@ std::vector<std::uint32_t> run_on_device(const Options& o, const Streams& stream
                     {1, FEATURE_VARYING_ROUGHNESS | FEATURE_METAL},
                     {10, o.surfaces},
                     {11, std::bit_cast<std::uint32_t>(o.cos_normal_angle)},
-                    {12, (o.second_merge ? DCAA_SECOND_MERGE : 0u) | (o.keep_front ? DCAA_KEEP_FRONT : 0u) |
-                             (o.weight_by_shown ? DCAA_WEIGHT_SHOWN : 0u)},
+                    {12, (o.second_merge && !o.nearest ? DCAA_SECOND_MERGE : 0u) |
+                             (o.keep_front ? DCAA_KEEP_FRONT : 0u) | (o.weight_by_shown ? DCAA_WEIGHT_SHOWN : 0u) |
+                             (o.distribution ? DCAA_DISTRIBUTION : 0u) | (o.nearest ? DCAA_NEAREST : 0u)},
                     {13, o.normal_format},
                     {14, o.depth_bits},
-                    {17, std::bit_cast<std::uint32_t>(o.depth_reach)}};
+                    {17, std::bit_cast<std::uint32_t>(o.depth_reach)},
+                    {18, std::bit_cast<std::uint32_t>(o.inverse_length)}};
   pass.bindings = {gpu::uniform(frame), gpu::reads(0, ranges), gpu::reads(1, fragments), gpu::reads(2, view),
                    gpu::writes(3, words)};
   pass.groups = {static_cast<std::uint32_t>((streams.ranges.size() + 63) / 64), 1, 1};
@@ -201,6 +204,32 @@ TEST(DcaaStream, AgreesForEveryNumberOfSurfacesAndSamples) {
       o.surfaces = surfaces;
       expect_same_surfaces(o, 2000, seed++, totals);
     }
+}
+
+TEST(HybridStream, LeavesTheSurfacesOfItsRulesOn100000Pixels) {
+  Totals totals;
+  for (std::uint32_t part = 0; part < 4; ++part) {
+    Options o;
+    o.nearest = true;
+    o.distribution = part != 3;
+    o.weight_by_shown = part != 1;
+    o.surfaces = part == 2 ? 8 : 4;
+    o.samples = part == 2 ? 32 : 64;
+    o.inverse_length = part == 1 ? 100.0f : 1.0f;
+    SCOPED_TRACE(testing::Message() << "part " << part);
+    expect_same_surfaces(o, 25000, 300 + part, totals);
+  }
+  EXPECT_GT(totals.first_merges, 300000u);
+  EXPECT_GT(totals.second_merges, 100000u);
+  EXPECT_GT(totals.discards, 100000u);  // surfaces of which nothing shows
+}
+
+TEST(HybridStream, MeansWithLengthsUnderTheOldRules) {
+  Options o;
+  o.distribution = true;
+  Totals totals;
+  expect_same_surfaces(o, 10000, 400, totals);
+  EXPECT_GT(totals.second_merges, 10000u);
 }
 
 TEST(DcaaStream, AgreesWithEachRuleSwitchedOffAndInOtherFormats) {

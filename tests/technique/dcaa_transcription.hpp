@@ -33,6 +33,9 @@ struct Options {
   bool second_merge = true, keep_front = true, weight_by_shown = false;
   float depth_reach = 0.5f;
   std::uint32_t normal_format = DCAA_NORMAL_2X16, depth_bits = 24;
+  // `hybrid`: mean normals keep their length; what has to go joins the nearest in units of k.
+  bool distribution = false, nearest = false;
+  float inverse_length = 1;
 };
 
 inline std::uint32_t to_snorm(float v, int bits) {
@@ -116,6 +119,19 @@ struct Surface {
   bool operator==(const Surface&) const = default;
 };
 
+// A mean normal with its length, where that is kept: 12 bits each for the direction, 8 for the root of 1 - length.
+inline std::uint32_t to_shading(Vector n, bool with_length) {
+  if (!with_length) return to_octahedral(n, 16);
+  const float missing = std::sqrt(std::max(1.0f - std::sqrt(dot(n, n)), 0.0f));
+  return to_octahedral(n, 12) | static_cast<std::uint32_t>(std::nearbyint(missing * 255.0f)) << 24;
+}
+inline Vector from_shading(std::uint32_t word, bool with_length) {
+  if (!with_length) return from_octahedral(word, 16);
+  const float root = static_cast<float>(word >> 24) / 255.0f, length = 1.0f - root * root;
+  const Vector n = from_octahedral(word & 0xffffffu, 12);
+  return {n.x * length, n.y * length, n.z * length};
+}
+
 struct Interval {
   float farthest = 0, nearest = 0;
 };
@@ -124,6 +140,7 @@ struct Interval {
 struct PixelView {
   Vector ray, dx, dy;
   float rays_differ = 1, scale = 0, most_along = -1e-4f, most_slope = 0.9f;
+  float place = 1;  // with perspective: times 1 / (depth + scale), a point's place on the ray
 };
 
 struct Counts {
@@ -211,7 +228,8 @@ class Pixel {
       m.albedo[i] = byte(std::sqrt(p * p * wa + q * q * wb));
     }
     m.albedo[3] = byte(static_cast<float>(a.albedo[3]) * wa + static_cast<float>(b.albedo[3]) * wb);
-    m.normal = to_octahedral(blend(from_octahedral(a.normal, 16), from_octahedral(b.normal, 16)), 16);
+    const bool length = options_.distribution;
+    m.normal = to_shading(blend(from_shading(a.normal, length), from_shading(b.normal, length)), length);
     m.roughness = byte(static_cast<float>(a.roughness) * wa + static_cast<float>(b.roughness) * wb);
     return m;
   }
@@ -229,20 +247,22 @@ class Pixel {
     // Front to back: what each shows of its samples. The last of the least goes, never the front-most.
     std::size_t gone = order.back();
     int least = 65;
-    std::uint64_t in_front = 0;
+    std::uint64_t in_front = 0, shows = 0;
     for (std::size_t place = 0; place < order.size(); ++place) {
-      const int shown = std::popcount(all[order[place]]->coverage & ~in_front);
+      const std::uint64_t seen = all[order[place]]->coverage & ~in_front;
+      const int shown = std::popcount(seen);
       in_front |= all[order[place]]->coverage;
       if (place == 0 && options_.keep_front) continue;
       if (shown <= least) {
         least = shown;
         gone = order[place];
+        shows = seen;
       }
     }
 
     std::optional<std::size_t> partner;
     float most = -1;
-    for (std::size_t i = 0; options_.second_merge && i < all.size(); ++i) {
+    for (std::size_t i = 0; options_.second_merge && !options_.nearest && i < all.size(); ++i) {
       if (i == gone) continue;
       const auto shared = overlap(interval(*all[i]), interval(*all[gone]));
       if (shared && *shared > most) {
@@ -250,13 +270,48 @@ class Pixel {
         partner = i;
       }
     }
-    if (partner) {
+    if (options_.nearest) {
+      join_nearest(all, gone, shows);
+    } else if (partner) {
       *all[*partner] = merged(*all[*partner], *all[gone]);
       ++counts_.second_merges;
     } else {
       ++counts_.discards;
     }
     if (all[gone] != &in) *all[gone] = in;
+  }
+
+  // Where on the ray the surface is, in units of k.
+  float place_of(const Surface& s) const {
+    const float per_ray = std::sqrt(dot(view_.ray, view_.ray)) * options_.inverse_length;
+    return (view_.rays_differ != 0 ? view_.place / std::max(s.depth + view_.scale, 1e-30f) : s.depth) * per_ray;
+  }
+
+  // Crassin et al. 2016, equation 1, on surfaces of a pixel: what shows of one becomes part of the nearest, which stays
+  // where it is. What shows nothing goes.
+  void join_nearest(const std::vector<Surface*>& all, std::size_t gone, std::uint64_t shows) {
+    if (shows == 0) {
+      ++counts_.discards;
+      return;
+    }
+    Surface* nearest = nullptr;
+    float least = 1e30f;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i == gone) continue;
+      const float away = std::min(std::fabs(place_of(*all[i]) - place_of(*all[gone])), 1e15f);
+      const float distance = away * away + (1.0f - dot(normal_of(*all[i]), normal_of(*all[gone]))) * 0.5f;
+      if (distance < least) {
+        least = distance;
+        nearest = all[i];
+      }
+    }
+    Surface part = *all[gone];
+    part.coverage = shows;
+    const Surface before = *nearest;
+    *nearest = merged(before, part);
+    nearest->facet = before.facet;
+    nearest->depth = before.depth;
+    ++counts_.second_merges;
   }
 
   Options options_;

@@ -30,16 +30,25 @@ struct BlockAttributes {
 
 struct PoolWords {
   std::vector<std::uint32_t> words;
-  std::uint32_t pair_words = 7;
+  bool metal = false, shared = true, emission = false;  // what the scene needs
+  std::uint32_t roughness = 0;                          // 8 bits, of a scene that has one
+  std::uint32_t pointers = 5, pair_words = 7;
   bool in_range(std::uint32_t block) const { return (block / 2 + 1) * std::size_t{pair_words} <= words.size(); }
   std::uint32_t field(std::uint32_t block, std::uint32_t at) const {
     return words.at(std::size_t{block / 2} * pair_words + at);
   }
-  std::uint32_t pointer(std::uint32_t block) const { return field(block, 5 + block % 2); }
+  std::uint32_t pointer(std::uint32_t block) const { return field(block, pointers + block % 2); }
   BlockAttributes attributes(std::uint32_t block) const {
-    const std::uint32_t i = block % 2, bytes = field(block, 4);
-    return {field(block, i), field(block, 2 + i), (bytes >> (8 * i) & 255u) | (bytes >> (16 + 8 * i) & 255u) << 8,
-            pair_words == 9 ? field(block, 7 + i) : 0};
+    const std::uint32_t i = block % 2, emitted = emission ? field(block, pointers + 2 + i) : 0;
+    if (shared) {
+      const std::uint32_t bytes = field(block, 4);
+      return {field(block, i), field(block, 2 + i), (bytes >> (8 * i) & 255u) | (bytes >> (16 + 8 * i) & 255u) << 8,
+              emitted};
+    }
+    constexpr std::uint32_t kFullOcclusion = 255u << 8;
+    const std::uint32_t albedo = field(block, i);
+    if (metal) return {albedo, field(block, 2 + i), roughness | kFullOcclusion, emitted};
+    return {albedo & 0xffffffu, field(block, 2 + i), albedo >> 24 | kFullOcclusion, emitted};
   }
 };
 
@@ -95,7 +104,13 @@ class ListScene {
       if ((i < kGuardWords || i >= kGuardWords + pool) && words[i] != kPoison) ++result.damaged_guard_words;
     result.pool.words.assign(words.begin() + kGuardWords,
                              words.begin() + kGuardWords + static_cast<std::ptrdiff_t>(pool));
-    result.pool.pair_words = scene_.features().has(FEATURE_EMISSIVE) ? 9 : 7;
+    PoolWords& pool_words = result.pool;
+    pool_words.metal = scene_.features().has(FEATURE_METAL);
+    pool_words.shared = pool_words.metal && scene_.features().has(FEATURE_VARYING_ROUGHNESS);
+    pool_words.emission = scene_.features().has(FEATURE_EMISSIVE);
+    pool_words.roughness = static_cast<std::uint32_t>(std::nearbyint(scene_.constants().tone.y * 255));
+    pool_words.pointers = pool_words.shared ? 5 : 4;
+    pool_words.pair_words = pool_words.pointers + 2 + (pool_words.emission ? 2 : 0);
     return result;
   }
 

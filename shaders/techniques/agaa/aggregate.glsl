@@ -2,6 +2,7 @@
 // Fixed point, as figure 7 of the AGAA paper lays out 16 bytes:
 //   word 0: normal x, y, 16 bits each                     word 1: normal z 16, luma of the specular colour 16
 //   word 2: diffuse colour, 3 x 10 bits                   word 3: chroma of the specular colour 2 x 8, roughness 8, mask 8
+// Without metal nothing but roughness and mask is left of word 3, and they lie in the upper half of word 1;
 // then the mask, where it has more than 8 bits; the emission, 3 words; the normals' second moments, 6 x 16 bits.
 // The paper's 8 bits of emission are one scalar; ours has a colour and no upper bound, so those bits hold the roughness instead.
 // Every field is a sum of values in [0, 1] weighted by samples / n. Its full scale leaves room for the sum's rounding, so that no
@@ -21,8 +22,11 @@ bool agaa_option(uint option) { return (AGAA_OPTIONS & option) != 0u; }
 
 #define AGAA_MAX_WORDS 20
 const uint kFloatStorage = AGAA_OPTIONS & AGAA_FLOAT;  // AGAA_FLOAT is bit 0
-const uint kMaskWord = kFloatStorage != 0u ? 10u : (SAMPLES > 8u ? 4u : 3u);
-const uint kEmissionWord = kFloatStorage != 0u ? 11u : (SAMPLES > 8u ? 5u : 4u);
+const uint kMetal = (FEATURES / FEATURE_METAL) & 1u;
+const uint kByteWord = kMetal != 0u ? 3u : 1u;  // bits 16 to 23 are the roughness, 24 to 31 a mask of 8 samples
+const uint kWideMask = SAMPLES > 8u ? 1u : 0u;
+const uint kMaskWord = kFloatStorage != 0u ? 10u : (kWideMask != 0u ? 3u + kMetal : kByteWord);
+const uint kEmissionWord = kFloatStorage != 0u ? 11u : 3u + kMetal + kWideMask;
 const uint kMomentsWord = kEmissionWord + 3u * ((FEATURES / FEATURE_EMISSIVE) & 1u);
 const uint kMomentsWords = (AGAA_OPTIONS & AGAA_SGGX) == 0u ? 0u : (kFloatStorage != 0u ? 6u : 3u);
 const uint kAggregateWords = kMomentsWord + kMomentsWords;
@@ -127,11 +131,8 @@ AggregateWords fragment_words(Surface s, uint mask, uint first_sample, float inv
     words.word[1] |= fixed_field(y, 16u, weight, dither) << 16;
     words.word[3] = fixed_field(cbcr.x, 8u, weight, dither) | fixed_field(cbcr.y, 8u, weight, dither) << 8;
   }
-  if (has_feature(FEATURE_VARYING_ROUGHNESS)) words.word[3] |= fixed_field(s.roughness, 8u, weight, dither) << 16;
-  if (SAMPLES > 8u)
-    words.word[4] = mask;
-  else
-    words.word[3] |= mask << 24;
+  if (has_feature(FEATURE_VARYING_ROUGHNESS)) words.word[kByteWord] |= fixed_field(s.roughness, 8u, weight, dither) << 16;
+  words.word[kMaskWord] |= kWideMask != 0u ? mask : mask << 24;
   if (agaa_option(AGAA_SGGX)) {
     for (uint c = 0u; c < 3u; ++c)
       words.word[kMomentsWord + c] = fixed_field(moments[c], 16u, weight, dither) |
@@ -180,7 +181,7 @@ Aggregate aggregate_of_words(AggregateWords words, float roughness, float larges
       vec2 cbcr = vec2(ivec2(words.word[3] & 255u, words.word[3] >> 8 & 255u)) * unit8 - 0.5;
       a.reflectance = colour_of(float(int(words.word[1] >> 16)) * unit16, cbcr);
     }
-    if (has_feature(FEATURE_VARYING_ROUGHNESS)) a.roughness = float(int(words.word[3] >> 16 & 255u)) * unit8;
+    if (has_feature(FEATURE_VARYING_ROUGHNESS)) a.roughness = float(int(words.word[kByteWord] >> 16 & 255u)) * unit8;
     for (uint c = 0u; c < 3u; ++c) {
       if (has_feature(FEATURE_EMISSIVE))
         a.emissive[c] = float(int(words.word[kEmissionWord + c])) * (each / emission_scale()) * largest_emission;

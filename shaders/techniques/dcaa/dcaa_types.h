@@ -26,6 +26,8 @@ using glm::vec4;
 #define DCAA_TABLE 4u         // coverage from the table, not exact
 #define DCAA_PREPASS 8u       // fragments behind the prepass's bound are dropped
 #define DCAA_WEIGHT_SHOWN 16u  // a merge weights the one behind by the samples that the one in front leaves it
+#define DCAA_DISTRIBUTION 32u  // shading normals keep the length of their mean
+#define DCAA_NEAREST 64u  // the second merge is with the nearest surface by the distance of aggregates, whose plane stays
 
 // Specialization constant 13: how a facet normal is stored.
 #define DCAA_NORMAL_2X16 0u  // octahedral (Cigolle et al. 2014)
@@ -40,7 +42,9 @@ using glm::vec4;
 struct DcaaView {
   vec4 ray_dx, ray_dy, ray0;           // w: largest n.ray that counts (negative), limit of g, unused
   vec4 normal_x, normal_y, normal_1;  // facing the eye
-  vec4 terms;                         // rays_differ: 1 with perspective, else 0; scale
+  // rays_differ: 1 with perspective, else 0; scale; and how depths are places on a ray: the point at depth z is at
+  // w / (z + scale) times the ray from the eye with perspective (w: z of this vector), else at -z times the ray.
+  vec4 terms;
 };
 
 #ifdef __cplusplus

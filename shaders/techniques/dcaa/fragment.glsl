@@ -25,7 +25,7 @@ DcaaSurface dcaa_fragment(ivec2 pixel, DepthPlane plane, vec2 offset, vec3 ray, 
   fragment.coverage = uvec2(0u);
   facet_plane(plane, pixel, offset, ray, view, fragment);
   fragment.albedo = packed.x;
-  fragment.normal = packed.y;
+  fragment.normal = dcaa_option(DCAA_DISTRIBUTION) ? dcaa_pack_shading(unpack_normal(packed.y)) : packed.y;
   fragment.roughness = packed.z & 255u;
   fragment.emission = packed.w;
   return fragment;

@@ -48,9 +48,7 @@ DcaaSurface dcaa_merged(DcaaSurface a, DcaaSurface b) {
   precise float depth = a.depth * weight_a + b.depth * weight_b;
   merged.depth = dcaa_rounded_depth(depth);
   merged.albedo = dcaa_blend_albedo(a.albedo, b.albedo, weight_a, weight_b);
-  merged.normal = dcaa_pack_octahedral(dcaa_blend(dcaa_unpack_octahedral(a.normal, 32767.0, 16u),
-                                                  dcaa_unpack_octahedral(b.normal, 32767.0, 16u), weight_a, weight_b),
-                                       32767.0, 16u);
+  merged.normal = dcaa_pack_shading(dcaa_blend(dcaa_shading(a.normal), dcaa_shading(b.normal), weight_a, weight_b));
   merged.roughness = has_feature(FEATURE_VARYING_ROUGHNESS) ? dcaa_blend_byte(a.roughness, b.roughness, 0u, weight_a, weight_b) : a.roughness;
   merged.emission = 0u;
   if (has_feature(FEATURE_EMISSIVE))
@@ -97,6 +95,7 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
 
   // The coarse resolve: what each covers that none in front of its centre does.
   uint least = 0xffffffffu, leaving = 0u, leaving_rank = 0u;
+  uvec2 leaving_shows = uvec2(0u);
 #define COARSE(i)                                                                          \
   {                                                                                        \
     uvec2 hidden = uvec2(0u);                                                              \
@@ -112,6 +111,7 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
     least = better ? shown : least;                                                        \
     leaving = better ? i : leaving;                                                        \
     leaving_rank = better ? rank : leaving_rank;                                           \
+    leaving_shows = better ? coverage[i] & ~hidden : leaving_shows;                        \
   }
   EACH_SURFACE(COARSE)
   COARSE(SURFACES)
@@ -119,25 +119,37 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
   DcaaSurface gone = fragment;
   for (uint i = 0u; i < SURFACES; ++i) gone = dcaa_select(leaving == i, surface[i], gone);
 
+  // The second merge: of the paper, with the surface that shares most of its depth interval, all of it; of DCAA_NEAREST, with
+  // the nearest, which keeps its plane, as much of it as shows.
+  const bool kNearest = dcaa_option(DCAA_NEAREST);
   uint partner = SURFACES + 1u;
-  if (dcaa_option(DCAA_SECOND_MERGE)) {
-    vec2 interval = dcaa_interval(dcaa_facet(gone.facet), gone.depth, ray, view);
-    float best = -1.0;
+  for (bool joins = kNearest ? least > 0u : dcaa_option(DCAA_SECOND_MERGE); joins; joins = false) {
+    vec3 normal = dcaa_facet(gone.facet);
+    vec2 interval = kNearest ? vec2(0.0) : dcaa_interval(normal, gone.depth, ray, view);
+    float place = kNearest ? dcaa_place(gone.depth, ray, view) : 0.0;
+    float best = kNearest ? -1e30 : -1.0;
     DcaaSurface with = fragment;
-#define CONSIDER(i, other)                                                                                  \
-  {                                                                                                         \
-    float share = dcaa_shared_depth(dcaa_interval(dcaa_facet(other.facet), other.depth, ray, view), interval); \
-    bool better = i != leaving && share > best;                                                             \
-    best = better ? share : best;                                                                           \
-    partner = better ? i : partner;                                                                         \
-    with = dcaa_select(better, other, with);                                                                \
+#define CONSIDER(i, other)                                                                                                  \
+  {                                                                                                                         \
+    vec3 facet = dcaa_facet(other.facet);                                                                                   \
+    float score = kNearest ? -dcaa_distance(dcaa_place(other.depth, ray, view), facet, place, normal)                       \
+                           : dcaa_shared_depth(dcaa_interval(facet, other.depth, ray, view), interval);                     \
+    bool better = i != leaving && score > best;                                                                             \
+    best = better ? score : best;                                                                                           \
+    partner = better ? i : partner;                                                                                         \
+    with = dcaa_select(better, other, with);                                                                                \
   }
 #define CONSIDER_SURFACE(i) CONSIDER(i, surface[i])
     EACH_SURFACE(CONSIDER_SURFACE)
     CONSIDER(SURFACES, fragment)
 #undef CONSIDER_SURFACE
 #undef CONSIDER
+    uvec3 facet = with.facet;
+    float depth = with.depth;
+    if (kNearest) gone.coverage = leaving_shows;
     with = dcaa_merged(with, gone);
+    with.facet = kNearest ? facet : with.facet;
+    with.depth = kNearest ? depth : with.depth;
     for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(partner == i, with, surface[i]);
     fragment = dcaa_select(partner == SURFACES, with, fragment);
   }

@@ -2,13 +2,17 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: IMAGE=-DIMAGE BUFFER=
+// variants: IMAGE=-DIMAGE BUFFER= IMAGE_LOBES=-DIMAGE,-DLOBES BUFFER_LOBES=-DLOBES
 // Final depth resolve (Wang et al. 2015, section 3.4): the nearest plane at each sample, one lighting execution for each
 // surface that any sample shows, weights n_i / N; samples that nothing covers show the sky.
 // Reads: the pixel's state, the camera (storage slot 2), shadow map. Writes: linear radiance with the lighting executions in
 // a; display values.
 layout(constant_id = 0) const uint SAMPLES = 64u;
+#ifdef LOBES
+#include "techniques/agaa/shading.glsl"
+#else
 #include "include/lights.glsl"
+#endif
 #include "include/resolve.glsl"
 #include "techniques/dcaa/surface.glsl"
 #include "techniques/dcaa/coverage.glsl"
@@ -36,6 +40,40 @@ uvec2 samples_ahead(vec3 difference, bool at_zero) {
   if (SAMPLES > 16u) { AHEAD_8(16u) AHEAD_8(24u) }
   if (SAMPLES > 32u) { AHEAD_8(32u) AHEAD_8(40u) AHEAD_8(48u) AHEAD_8(56u) }
   return samples;
+}
+
+vec3 place_at(vec2 offset, float depth, vec2 slope) {
+  return world_position(gl_FragCoord.xy + offset, clamp(depth + dot(slope, offset), 0.0, 1.0));
+}
+
+// Radiance of surface `s`, lit at the centroid of `samples`.
+vec3 radiance_of(DcaaSurface s, vec2 slope, uvec2 samples) {
+  vec2 offset = vec2(0.0);
+  for (bool part = samples != kWholePixel; part; part = false) offset = mask_centroid(samples);
+  Surface lit = unpack_surface(uvec4(s.albedo, s.normal, s.roughness | 255u << 8, s.emission));
+  lit.position = place_at(offset, s.depth, slope);
+  vec3 view_direction = normalize(frame.eye.xyz - lit.position);
+#ifdef LOBES
+  Aggregate a;
+  a.normal = dcaa_shading(s.normal);
+  a.diffuse = lit.albedo * (1.0 - lit.metallic);
+  a.reflectance = mix(vec3(kDielectricReflectance), lit.albedo, lit.metallic);
+  a.roughness = lit.roughness;
+  a.emissive = lit.emissive;
+  a.moments = vec3(1.0 / 3.0);
+  a.mixed_moments = vec3(0.0);
+  a.mask = 0u;
+  // A square on the surface's plane with as much area as the samples: a side has the variance of an even distribution, a twelfth
+  // of its square.
+  float deviation = sqrt(float(int(dcaa_count(samples))) * (1.0 / (12.0 * float(SAMPLES))));
+  Footprint footprint;
+  footprint.mean = lit.position;
+  footprint.axis = vec3[3](place_at(offset + vec2(deviation, 0.0), s.depth, slope) - lit.position,
+                           place_at(offset + vec2(0.0, deviation), s.depth, slope) - lit.position, vec3(0.0));
+  return shade_aggregate(a, footprint, view_direction);
+#else
+  return shade(lit, view_direction);
+#endif
 }
 
 void main() {
@@ -105,13 +143,8 @@ void main() {
         slope = here ? slopes[i] : slope;
         samples = here ? shown[i] : samples;
       }
-      vec2 offset = vec2(0.0);
-      for (bool part = samples != kWholePixel; part; part = false) offset = mask_centroid(samples);
-      Surface lit = unpack_surface(uvec4(s.albedo, s.normal, s.roughness | 255u << 8, s.emission));
-      float depth = clamp(s.depth + dot(slope, offset), 0.0, 1.0);
-      lit.position = world_position(gl_FragCoord.xy + offset, depth);
       uint here = dcaa_count(samples);
-      sum += float(int(here)) * resolvable(shade(lit, normalize(frame.eye.xyz - lit.position)));
+      sum += float(int(here)) * resolvable(radiance_of(s, slope, samples));
       covered += here;
       ++executions;
     }

@@ -15,6 +15,8 @@ layout(constant_id = 14) const uint DEPTH_BITS = 24u;
 
 // How far from the pixel's centre a surface's depth interval reaches, in pixels.
 layout(constant_id = 17) const float DEPTH_REACH = 0.5;
+// 1 / k of equation 1 (Crassin et al. 2016), for DCAA_NEAREST.
+layout(constant_id = 18) const float INVERSE_LENGTH = 10.0;
 
 // M(k) for each surface. Loops over surfaces have to be unrolled, or their arrays lie in memory; drivers don't unroll loops
 // that hold others, or large ones.
@@ -81,6 +83,23 @@ vec3 dcaa_unpack_octahedral(uint word, float largest, uint bits) {
   return dcaa_unit(vec3(xy, z));
 }
 
+// A shading normal. A mean of several has a length below 1, which DCAA_DISTRIBUTION keeps: 12 bits each of the direction and 8
+// of the root of what is missing to 1, since highlights tell lengths near 1 apart.
+uint dcaa_pack_shading(vec3 n) {
+  if (!dcaa_option(DCAA_DISTRIBUTION)) return dcaa_pack_octahedral(n, 32767.0, 16u);
+  precise float squared = n.x * n.x + n.y * n.y + n.z * n.z;
+  precise float missing = sqrt(max(1.0 - sqrt(squared), 0.0)) * 255.0;
+  return dcaa_pack_octahedral(n, 2047.0, 12u) | (dcaa_round(missing) & 255u) << 24;
+}
+
+vec3 dcaa_shading(uint word) {
+  if (!dcaa_option(DCAA_DISTRIBUTION)) return dcaa_unpack_octahedral(word, 32767.0, 16u);
+  float root = float(int(word >> 24)) / 255.0;
+  precise float length_of_mean = 1.0 - root * root;
+  precise vec3 mean = dcaa_unpack_octahedral(word, 2047.0, 12u) * length_of_mean;
+  return mean;
+}
+
 uvec3 dcaa_pack_facet(vec3 n) {
   if (NORMAL_FORMAT == DCAA_NORMAL_3X32) return floatBitsToUint(dcaa_unit(n));
   if (NORMAL_FORMAT == DCAA_NORMAL_2X8) return uvec3(dcaa_pack_octahedral(n, 127.0, 8u), 0u, 0u);
@@ -136,6 +155,22 @@ vec3 dcaa_ray(ivec2 pixel, DcaaView view) {
   vec2 at = vec2(pixel) * view.terms.x;
   precise vec3 ray = view.ray0.xyz + (at.x * view.ray_dx.xyz + at.y * view.ray_dy.xyz);
   return ray;
+}
+
+// Where on `ray` depth z is, in units of k.
+float dcaa_place(float z, vec3 ray, DcaaView view) {
+  precise float per_ray = sqrt(ray.x * ray.x + ray.y * ray.y + ray.z * ray.z) * INVERSE_LENGTH;
+  precise float along = view.terms.x != 0.0 ? view.terms.z / max(z + view.terms.y, 1e-30) : z;
+  precise float place = along * per_ray;
+  return place;
+}
+
+// Equation 1 of Crassin et al. 2016, for surfaces of one pixel: their places on the ray of its centre, their facet normals.
+float dcaa_distance(float place_a, vec3 a, float place_b, vec3 b) {
+  precise float away = min(abs(place_a - place_b), 1e15);
+  precise float cosine = a.x * b.x + a.y * b.y + a.z * b.z;
+  precise float d = away * away + (1.0 - cosine) * 0.5;
+  return d;
 }
 
 // Farthest and nearest depth of the plane over the pixel, each moved out by one unit of the stored depth, so that two

@@ -19,13 +19,16 @@ layout(constant_id = 12) const uint LIGHTING = LINK_LIGHT_BLOCKS;
 layout(set = 0, binding = 1, scalar) buffer Pool { LinkPool pool; };
 
 const uint kNoBlock = 0xffffffffu;
-const uint kPairWords = LINK_PAIR_WORDS + 2u * ((FEATURES / FEATURE_EMISSIVE) & 1u);
+// 1 where a pair has its shared word: where one byte beside albedo and normal is too little (one_byte_more() of stored_sample.glsl).
+const uint kShared = (FEATURES / FEATURE_METAL) & (FEATURES / FEATURE_VARYING_ROUGHNESS) & 1u;
+const uint kPointers = 4u + kShared;
+const uint kPairWords = kPointers + 2u + 2u * ((FEATURES / FEATURE_EMISSIVE) & 1u);
 
-// Fields of a block that have a word of their own: 0 albedo and metallic, 1 normal; the pair's shared word is its fifth.
+// Fields of a block that have a word of their own: 0 albedo and metallic or roughness, 1 normal; the pair's shared word is its fifth.
 uint block_word(uint block, uint field) { return (block >> 1) * kPairWords + 2u * field + (block & 1u); }
 uint shared_word(uint block) { return (block >> 1) * kPairWords + 4u; }
-uint pointer_word(uint block) { return (block >> 1) * kPairWords + 5u + (block & 1u); }
-uint emission_word(uint block) { return (block >> 1) * kPairWords + 7u + (block & 1u); }
+uint pointer_word(uint block) { return (block >> 1) * kPairWords + kPointers + (block & 1u); }
+uint emission_word(uint block) { return (block >> 1) * kPairWords + kPointers + 2u + (block & 1u); }
 
 uint make_link(uint block, uint count, uint s) {
   return block | (count - 1u) << LINK_COUNT_SHIFT | s << LINK_SAMPLE_SHIFT;

@@ -9,17 +9,20 @@
 #define WITH_UV
 #define WITH_ATTRIBUTES
 #include "frontend/fragment.glsl"
-#include "include/packing.glsl"
+#include "deferred/stored_sample.glsl"
 #include "techniques/linked_list/blocks.glsl"
 
 // Both blocks of a pair share a word and are written by fragments of any order, each of which changes its own bytes.
 void write_surface(LinkWords words, uint block, uvec4 packed) {
-  words.word[block_word(block, 0u)] = packed.x;
-  words.word[block_word(block, 1u)] = packed.y;
-  uint shift = 8u * (block & 1u);
-  uint bytes = ((packed.z & 255u) | (packed.z & 0xff00u) << 8) << shift;
-  atomicAnd(words.word[shared_word(block)], ~(0x00ff00ffu << shift));
-  atomicOr(words.word[shared_word(block)], bytes);
+  uvec2 own = one_byte_more() ? narrowed(packed) : packed.xy;
+  words.word[block_word(block, 0u)] = own.x;
+  words.word[block_word(block, 1u)] = own.y;
+  if (!one_byte_more()) {
+    uint shift = 8u * (block & 1u);
+    uint bytes = ((packed.z & 255u) | (packed.z & 0xff00u) << 8) << shift;
+    atomicAnd(words.word[shared_word(block)], ~(0x00ff00ffu << shift));
+    atomicOr(words.word[shared_word(block)], bytes);
+  }
   if (has_feature(FEATURE_EMISSIVE)) words.word[emission_word(block)] = packed.w;
 }
 

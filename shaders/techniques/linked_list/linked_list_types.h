@@ -16,7 +16,8 @@ namespace subpixel::gpu_types {
 #define LINK_MAX_SAMPLES 8u
 
 // Two blocks interleaved: albedo and metallic of each, normal of each, both roughnesses and occlusions in one word,
-// pointer of each. Scenes with emission add a word for each, which the publication has none for.
+// pointer of each. Scenes with emission add a word for each, which the publication has none for; those without metal, or of one
+// roughness, do without the shared word.
 #define LINK_PAIR_WORDS 7u
 #define LINK_BLOCK_BITS 112
 #define LINK_POINTER_BITS 32

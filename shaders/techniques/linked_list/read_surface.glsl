@@ -3,14 +3,15 @@
 #ifndef SUBPIXEL_LINKED_LIST_READ_SURFACE_GLSL
 #define SUBPIXEL_LINKED_LIST_READ_SURFACE_GLSL
 
-#include "include/packing.glsl"
+#include "deferred/stored_sample.glsl"
 #include "include/coverage.glsl"
 
 Surface read_surface(LinkWords words, uint block) {
-  uint bytes = words.word[shared_word(block)] >> (8u * (block & 1u));
+  uvec2 own = uvec2(words.word[block_word(block, 0u)], words.word[block_word(block, 1u)]);
   uint emission = has_feature(FEATURE_EMISSIVE) ? words.word[emission_word(block)] : 0u;
-  return unpack_surface(uvec4(words.word[block_word(block, 0u)], words.word[block_word(block, 1u)],
-                              (bytes & 255u) | (bytes & 0xff0000u) >> 8, emission));
+  if (one_byte_more()) return unpack_surface(widened(own, emission));
+  uint bytes = words.word[shared_word(block)] >> (8u * (block & 1u));
+  return unpack_surface(uvec4(own, (bytes & 255u) | (bytes & 0xff0000u) >> 8, emission));
 }
 
 // Where sample s of the pixel is, by the depth buffer.
