@@ -22,6 +22,7 @@ struct Metadata {
   std::string tool;         // what recorded it, with version
   std::string licence;      // of the recorded content
   float metres_per_unit = 1.0f;
+  std::vector<std::string> notices;  // what whoever made the capture left out or approximated, a sentence each
 };
 
 // Raw bytes that vertex streams, indices and instance transforms point into.
@@ -32,6 +33,18 @@ struct Buffer {
 
 enum class TextureEncoding : std::uint32_t { rgba8 = 0, image_file = 1 };  // image_file: PNG, JPEG, TGA, ... as found
 
+enum class Wrap : std::uint32_t { repeat = 0, clamp_to_edge = 1, mirrored_repeat = 2 };
+enum class TexelFilter : std::uint32_t { linear = 0, nearest = 1 };
+enum class MipFilter : std::uint32_t { linear = 0, nearest = 1, none = 2 };  // none: level 0 at every distance
+
+struct Sampler {
+  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+  TexelFilter magnify = TexelFilter::linear, minify = TexelFilter::linear;
+  MipFilter mip = MipFilter::linear;
+
+  bool operator==(const Sampler&) const = default;
+};
+
 struct Texture {
   std::string name;
   TextureEncoding encoding = TextureEncoding::rgba8;
@@ -39,6 +52,15 @@ struct Texture {
   // Texels of rgba8 (4 * width * height bytes, top row first). For image_file: 0, the file itself knows.
   std::uint32_t width = 0, height = 0;
   std::vector<std::byte> bytes;
+  Sampler sampler{};
+};
+
+// Where on its image a material's texture is read: u' = m[0] u + m[1] v + m[2], v' = m[3] u + m[4] v + m[5].
+struct UvMapping {
+  std::uint32_t set = 0;  // 0: Draw::uv, 1: Draw::uv2
+  std::array<float, 6> matrix{1, 0, 0, 0, 1, 0};
+
+  bool operator==(const UvMapping&) const = default;
 };
 
 enum class AlphaMode : std::uint32_t { opaque = 0, test = 1, blend = 2 };
@@ -57,6 +79,9 @@ struct Material {
   Float3 emissive{0, 0, 0};                          // linear radiance
   std::uint32_t emissive_texture = kNone;
   bool two_sided = false;
+  float normal_scale = 1.0f;  // of the normal texture's x and y
+  bool unlit = false;         // radiance is the base colour: neither light nor shadow
+  UvMapping base_colour_uv{}, metallic_roughness_uv{}, normal_uv{}, emissive_uv{};
 };
 
 enum class VertexFormat : std::uint32_t {
@@ -68,6 +93,8 @@ enum class VertexFormat : std::uint32_t {
   snorm8x4 = 5,
   snorm16x4 = 6,
   unorm16x2 = 7,
+  unorm8x4 = 8,
+  unorm16x4 = 9,
 };
 
 // One vertex attribute: element i starts at byte `offset + i * stride` of buffer `buffer`.
@@ -85,6 +112,7 @@ struct Draw {
   std::string name;
   std::uint32_t material = 0;
   VertexStream position, normal, uv, tangent;  // position is required; tangent.w is the bitangent sign
+  VertexStream uv2, colour;                    // colour: linear, multiplies the base colour, alpha included
   IndexType index_type = IndexType::none;
   std::uint32_t index_buffer = kNone;
   std::uint64_t index_offset = 0;  // bytes
@@ -108,10 +136,18 @@ struct DirectionalLight {
   bool shadows = true;
 };
 
+// Full intensity within `inner` of the direction, none beyond `outer`; between them the square of the linear fraction
+// of cosines (glTF's KHR_lights_punctual).
+struct SpotCone {
+  Float3 direction{0, -1, 0};                // the way the light travels, world space
+  float inner_cosine = 1, outer_cosine = 0;  // of the angle to it; inner > outer
+};
+
 struct PointLight {
   Float3 position{0, 0, 0};
   Float3 intensity{1, 1, 1};  // linear radiant intensity; irradiance is intensity / distance^2, windowed to 0 at range
   float range = 10.0f;        // world units
+  std::optional<SpotCone> cone{};
 };
 
 struct Frame {

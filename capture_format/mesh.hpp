@@ -11,12 +11,14 @@
 
 namespace subpixel::capture {
 
-// Front faces are counter-clockwise seen from outside. Normals, uvs and tangents are empty or one for each position.
+// Front faces are counter-clockwise seen from outside. All others are empty or one for each position.
 struct Mesh {
   std::vector<glm::dvec3> positions;
   std::vector<glm::dvec3> normals;
   std::vector<glm::dvec2> uvs;
   std::vector<glm::dvec4> tangents;
+  std::vector<glm::dvec2> uvs2;
+  std::vector<glm::vec4> colours;  // linear
   std::vector<std::uint32_t> indices;
 
   std::uint32_t add_vertex(const glm::dvec3& position, const glm::dvec3& normal, const glm::dvec2& uv);

@@ -1,7 +1,9 @@
 #include "capture_format/scene_builder.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <glm/common.hpp>
 #include <utility>
 
 namespace subpixel::capture {
@@ -20,10 +22,18 @@ void put_snorm16x4(std::vector<std::byte>& out, const glm::dvec4& vector) {
   for (int i = 0; i < 4; ++i) put(out, static_cast<std::int16_t>(std::floor(vector[i] * 32767.0 + 0.5)));
 }
 
+void put_unorm16x4(std::vector<std::byte>& out, const glm::vec4& vector) {
+  for (int i = 0; i < 4; ++i) put(out, static_cast<std::uint16_t>(std::floor(vector[i] * 65535.0f + 0.5f)));
+}
+
 }  // namespace
 
 Draw SceneBuilder::add_mesh(const std::string& name, const Mesh& mesh) {
   const bool has_tangents = !mesh.tangents.empty();
+  const bool has_uvs2 = !mesh.uvs2.empty();
+  const bool has_colours = !mesh.colours.empty();
+  const auto in_unit = [](const glm::vec4& c) { return glm::clamp(c, 0.0f, 1.0f) == c; };
+  const bool small_colours = std::all_of(mesh.colours.begin(), mesh.colours.end(), in_unit);
   std::vector<std::byte> vertices;
   vertices.reserve(mesh.positions.size() * 36);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -31,6 +41,9 @@ Draw SceneBuilder::add_mesh(const std::string& name, const Mesh& mesh) {
     put_snorm16x4(vertices, glm::dvec4(mesh.normals[i], 0));
     put_floats(vertices, mesh.uvs[i]);
     if (has_tangents) put_snorm16x4(vertices, mesh.tangents[i]);
+    if (has_uvs2) put_floats(vertices, mesh.uvs2[i]);
+    if (has_colours && small_colours) put_unorm16x4(vertices, mesh.colours[i]);
+    if (has_colours && !small_colours) put_floats(vertices, mesh.colours[i]);
   }
   std::vector<std::byte> indices;
   const bool small = mesh.positions.size() <= 65536;
@@ -43,12 +56,22 @@ Draw SceneBuilder::add_mesh(const std::string& name, const Mesh& mesh) {
     }
   }
   const std::uint32_t buffer = recorder_.add_buffer(name + " vertices", vertices);
-  const std::uint32_t stride = has_tangents ? 36 : 28;
   Draw draw;
-  draw.position = {buffer, VertexFormat::float32x3, 0, stride};
-  draw.normal = {buffer, VertexFormat::snorm16x4, 12, stride};
-  draw.uv = {buffer, VertexFormat::float32x2, 20, stride};
-  if (has_tangents) draw.tangent = {buffer, VertexFormat::snorm16x4, 28, stride};
+  std::uint32_t stride = 0;
+  std::vector<VertexStream*> present;
+  const auto add = [&](VertexStream& stream, VertexFormat format, std::uint32_t bytes) {
+    stream = {buffer, format, stride, 0};
+    stride += bytes;
+    present.push_back(&stream);
+  };
+  add(draw.position, VertexFormat::float32x3, 12);
+  add(draw.normal, VertexFormat::snorm16x4, 8);
+  add(draw.uv, VertexFormat::float32x2, 8);
+  if (has_tangents) add(draw.tangent, VertexFormat::snorm16x4, 8);
+  if (has_uvs2) add(draw.uv2, VertexFormat::float32x2, 8);
+  if (has_colours && small_colours) add(draw.colour, VertexFormat::unorm16x4, 8);
+  if (has_colours && !small_colours) add(draw.colour, VertexFormat::float32x4, 16);
+  for (VertexStream* stream : present) stream->stride = stride;
   draw.vertex_count = static_cast<std::uint32_t>(mesh.positions.size());
   draw.index_type = small ? IndexType::uint16 : IndexType::uint32;
   draw.index_buffer = recorder_.add_buffer(name + " indices", indices);
@@ -76,18 +99,22 @@ void SceneBuilder::draw_instances(Draw mesh, const std::string& name, std::uint3
   draws_.push_back(std::move(mesh));
 }
 
+void SceneBuilder::record_frame(Frame frame) {
+  frame.draws.clear();
+  recorder_.begin_frame(std::move(frame));
+  for (const Draw& draw : draws_) recorder_.draw(draw);
+  recorder_.end_frame();
+}
+
 Capture SceneBuilder::finish(const CameraPath& path, std::uint32_t frames, std::uint32_t width, std::uint32_t height,
                              double frames_per_second) {
   for (std::uint32_t i = 0; i < frames; ++i) {
     Frame frame = environment;
     frame.name = "frame " + std::to_string(i);
-    frame.draws.clear();
     path.set(frame, i / frames_per_second, width, height);
-    recorder_.begin_frame(std::move(frame));
-    for (const Draw& draw : draws_) recorder_.draw(draw);
-    recorder_.end_frame();
+    record_frame(std::move(frame));
   }
-  return recorder_.take();
+  return take();
 }
 
 }  // namespace subpixel::capture

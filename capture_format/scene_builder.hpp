@@ -25,7 +25,8 @@ class SceneBuilder {
   std::uint32_t add_material(Material material) { return recorder_.add_material(std::move(material)); }
 
   // Stores a mesh that has normals and uvs, interleaved: position float32x3, normal snorm16x4, uv float32x2 and, where
-  // there are tangents, snorm16x4; indices of 16 bits when they suffice. Returns a draw of it that only lacks
+  // there are any, tangents snorm16x4, second uvs float32x2, colours unorm16x4 (float32x4 when one is outside 0 to 1);
+  // indices of 16 bits when they suffice. Returns a draw of it that only lacks
   // material, name and placement.
   Draw add_mesh(const std::string& name, const Mesh& mesh);
 
@@ -33,6 +34,11 @@ class SceneBuilder {
   void draw(Draw mesh, const std::string& name, std::uint32_t material, const glm::dmat4& placement = glm::dmat4(1));
   void draw_instances(Draw mesh, const std::string& name, std::uint32_t material,
                       std::span<const glm::dmat4> placements);
+
+  // Records one frame of what was drawn since the last clear_draws(). `name`, matrices, size and time are the caller's.
+  void record_frame(Frame frame);
+  void clear_draws() { draws_.clear(); }
+  Capture take() { return recorder_.take(); }
 
   // Ends the building; frame i is seen at i / frames_per_second along the path.
   Capture finish(const CameraPath& path, std::uint32_t frames, std::uint32_t width, std::uint32_t height,

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include "capture_format/error.hpp"
 #include "capture_format/import/assemble.hpp"
@@ -65,36 +66,92 @@ CameraPath orbit(const Model& model, std::uint32_t frames, double frames_per_sec
   return CameraPath(keys, distance * 1e-3);
 }
 
-Capture import_model(const std::filesystem::path& path, const ImportOptions& options) {
-  const Model model = load_model(*open_folder(path.parent_path()), path.filename().string());
-  Metadata metadata;
-  metadata.title = to_utf8(path.stem().string());
-  metadata.application = to_utf8(path.filename().string());
-  metadata.tool = kTool;
-  SceneBuilder scene(metadata);
-  scene.environment.sun = model.sun;
-  scene.environment.point_lights = model.point_lights;
-  if (!model.sun && model.point_lights.empty()) {
-    scene.environment.sun = DirectionalLight{{-0.45f, -0.75f, -0.5f}, {3, 3, 3}, true};
+// Places the frame's camera: reversed depth with the far plane at infinity, near a thousandth of the model's distance
+// where the file has no other. A parallel projection is seen from a thousand diagonals away, so that all directions to
+// the eye are parallel to a thousandth.
+void set_camera(Frame& frame, const ModelCamera& camera, const Model& model, std::uint32_t width,
+                std::uint32_t height) {
+  const double diagonal = std::max(glm::length(model.high - model.low), 1e-6);
+  const double aspect = static_cast<double>(width) / height;
+  frame.clip_depth = ClipDepth::one_to_zero;
+  frame.clip_y_up = false;
+  frame.width = width;
+  frame.height = height;
+  glm::dmat4 world = camera.world;
+  if (!camera.orthographic) {
+    const double reach = glm::length(glm::dvec3(world[3]) - (model.low + model.high) * 0.5) + diagonal;
+    const double near = camera.near.value_or(std::min(0.1, reach * 1e-3));
+    frame.projection = to_matrix4(perspective(camera.vertical_fov_degrees, aspect, near));
+  } else {
+    const double back = 1e3 * diagonal;
+    world[3] += world[2] * back;
+    const double near = back + camera.near.value_or(0);
+    const double far = back + camera.far.value_or(2 * diagonal);
+    glm::dmat4 projection(1.0);
+    projection[0][0] = 1 / (camera.half_height * aspect);
+    projection[1][1] = -1 / camera.half_height;
+    projection[2][2] = 1 / (far - near);
+    projection[3][2] = far / (far - near);
+    frame.projection = to_matrix4(projection);
   }
-  const std::vector<std::uint32_t> materials = add_materials(scene, model);
+  frame.view = to_matrix4(glm::inverse(world));
+}
+
+void draw_model(SceneBuilder& scene, const Model& model, const std::vector<std::uint32_t>& materials) {
   for (const ModelPart& part : model.parts) {
     const Draw mesh = scene.add_mesh(part.name, part.mesh);
     // Each place is a draw call of its own, as the application that the file stands for would make it.
     for (const glm::dmat4& place : part.placements) scene.draw(mesh, part.name, materials[part.material], place);
   }
+}
+
+void light_model(SceneBuilder& scene, const Model& model) {
+  scene.environment.sun = model.sun;
+  scene.environment.point_lights = model.point_lights;
+  if (!model.sun && model.point_lights.empty()) {
+    scene.environment.sun = DirectionalLight{{-0.45f, -0.75f, -0.5f}, {3, 3, 3}, true};
+  }
+}
+
+Capture import_model(const std::filesystem::path& path, const ImportOptions& options) {
+  Model model = load_model(*open_folder(path.parent_path()), path.filename().string());
+  Metadata metadata;
+  metadata.title = to_utf8(path.stem().string());
+  metadata.application = to_utf8(path.filename().string());
+  metadata.tool = kTool;
+  metadata.notices = model.notices;
+  SceneBuilder scene(metadata);
+  const std::vector<std::uint32_t> materials = add_materials(scene, model);
   const std::uint32_t frames = options.frames.value_or(10);
   const std::uint32_t width = options.width.value_or(1280);
   const std::uint32_t height = options.height.value_or(720);
   constexpr double kFramesPerSecond = 30;
+  if (model.animation) model.animation->pose(0, model);
+  std::optional<CameraPath> path_of_camera;
   if (!options.camera.empty() && options.camera != "orbit") {
-    return scene.finish(read_camera_file(options.camera), frames, width, height, kFramesPerSecond);
+    path_of_camera = read_camera_file(options.camera);
+  } else if (options.camera == "orbit" || !model.camera) {
+    path_of_camera = orbit(model, frames, kFramesPerSecond, static_cast<double>(width) / height);
   }
-  if (options.camera.empty() && model.camera) {
-    return scene.finish(CameraPath({*model.camera}), frames, width, height, kFramesPerSecond);
+  for (std::uint32_t i = 0; i < frames; ++i) {
+    const double time_s = i / kFramesPerSecond;
+    if (i == 0 || model.animation) {
+      if (model.animation) model.animation->pose(std::min(time_s, model.animation->duration_s()), model);
+      scene.clear_draws();
+      light_model(scene, model);
+      draw_model(scene, model, materials);
+    }
+    Frame frame = scene.environment;
+    frame.name = "frame " + std::to_string(i);
+    frame.time_s = time_s;
+    if (path_of_camera) {
+      path_of_camera->set(frame, time_s, width, height);
+    } else {
+      set_camera(frame, *model.camera, model, width, height);
+    }
+    scene.record_frame(std::move(frame));
   }
-  const CameraPath path_around = orbit(model, frames, kFramesPerSecond, static_cast<double>(width) / height);
-  return scene.finish(path_around, frames, width, height, kFramesPerSecond);
+  return scene.take();
 }
 
 Capture import_description(const std::filesystem::path& path, const ImportOptions& options) {

@@ -243,8 +243,8 @@ TEST_F(ImportModel, ReadsGltfWithNodesCameraAndLight) {
   EXPECT_FALSE(model.textures[metal.normal_texture].srgb);
   EXPECT_EQ(model.textures.size(), 2u) << "once as colour, once as numbers";
   ASSERT_TRUE(model.camera.has_value());
-  EXPECT_EQ(model.camera->eye, glm::dvec3(0, 1, 5));
-  EXPECT_NEAR(model.camera->target.z, 4, 1e-6);
+  EXPECT_EQ(glm::dvec3(model.camera->world[3]), glm::dvec3(0, 1, 5));
+  EXPECT_NEAR(model.camera->world[2].z, 1, 1e-6);
   EXPECT_NEAR(model.camera->vertical_fov_degrees, 0.7 * 180 / kPi, 1e-3);
   ASSERT_EQ(model.point_lights.size(), 1u);
   EXPECT_EQ(model.point_lights[0].position, (Float3{3, 4, 5}));

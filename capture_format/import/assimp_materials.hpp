@@ -1,4 +1,4 @@
-// Materials and textures of an assimp scene in our form. Private to model.cpp.
+// Materials and textures of an assimp scene in our form. Private to assimp_model.cpp.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-#include "capture_format/import/model_materials.hpp"
+#include "capture_format/import/assimp_materials.hpp"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
