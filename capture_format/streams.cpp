@@ -39,8 +39,14 @@ void decode_element(VertexFormat format, const std::byte* from, float* to) {
         to[c] = std::max(static_cast<float>(load<std::int16_t>(from + 2 * c)) / 32767.0f, -1.0f);
       }
       return;
+    case VertexFormat::unorm8x4:
+      for (std::uint32_t c = 0; c < 4; ++c) to[c] = static_cast<float>(load<std::uint8_t>(from + c)) / 255.0f;
+      return;
     case VertexFormat::unorm16x2:
-      for (std::uint32_t c = 0; c < 2; ++c) to[c] = static_cast<float>(load<std::uint16_t>(from + 2 * c)) / 65535.0f;
+    case VertexFormat::unorm16x4:
+      for (std::uint32_t c = 0; c < component_count(format); ++c) {
+        to[c] = static_cast<float>(load<std::uint16_t>(from + 2 * c)) / 65535.0f;
+      }
       return;
   }
 }
@@ -59,6 +65,8 @@ std::uint32_t component_count(VertexFormat format) {
     case VertexFormat::float16x4:
     case VertexFormat::snorm8x4:
     case VertexFormat::snorm16x4:
+    case VertexFormat::unorm8x4:
+    case VertexFormat::unorm16x4:
       return 4;
   }
   return 0;
@@ -75,9 +83,11 @@ std::uint32_t element_bytes(VertexFormat format) {
     case VertexFormat::float16x2:
     case VertexFormat::snorm8x4:
     case VertexFormat::unorm16x2:
+    case VertexFormat::unorm8x4:
       return 4;
     case VertexFormat::float16x4:
     case VertexFormat::snorm16x4:
+    case VertexFormat::unorm16x4:
       return 8;
   }
   return 0;

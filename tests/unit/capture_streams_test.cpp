@@ -39,6 +39,10 @@ TEST(CaptureStreams, NormalisedIntegers) {
   EXPECT_EQ(decode(bytes_of(shorts), VertexFormat::snorm16x4, 1, 4), (std::vector<float>{1, -1, -1, 0}));
   EXPECT_EQ(decode(bytes_of(std::vector<std::uint16_t>{65535, 0}), VertexFormat::unorm16x2, 1, 2),
             (std::vector<float>{1, 0}));
+  EXPECT_EQ(decode(bytes_of(std::vector<std::uint16_t>{65535, 0, 13107, 52428}), VertexFormat::unorm16x4, 1, 4),
+            (std::vector<float>{1, 0, 0.2f, 0.8f}));
+  EXPECT_EQ(decode(bytes_of(std::vector<std::uint8_t>{255, 0, 51, 128}), VertexFormat::unorm8x4, 1, 4),
+            (std::vector<float>{1, 0, 0.2f, 128.0f / 255}));
 }
 
 TEST(CaptureStreams, HalvesAreExact) {
