@@ -100,6 +100,10 @@ void set_camera(Frame& frame, const ModelCamera& camera, const Model& model, std
 void draw_model(SceneBuilder& scene, const Model& model, const std::vector<std::uint32_t>& materials) {
   for (const ModelPart& part : model.parts) {
     const Draw mesh = scene.add_mesh(part.name, part.mesh);
+    if (part.instanced) {
+      scene.draw_instances(mesh, part.name, materials[part.material], part.placements);
+      continue;
+    }
     // Each place is a draw call of its own, as the application that the file stands for would make it.
     for (const glm::dmat4& place : part.placements) scene.draw(mesh, part.name, materials[part.material], place);
   }

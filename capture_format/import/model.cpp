@@ -1,6 +1,9 @@
 #include "capture_format/import/model.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
@@ -8,6 +11,7 @@
 
 #include "capture_format/error.hpp"
 #include "capture_format/import/assimp_model.hpp"
+#include "capture_format/import/gltf.hpp"
 
 namespace subpixel::capture {
 
@@ -30,7 +34,12 @@ Model load_model(const AssetSource& source, const std::string& name) {
   if (!source.contains(name)) {
     throw InputError("can't import the model", "there is no such file", source.describe(name));
   }
-  Model model = load_with_assimp(source, name);
+  std::string extension = std::filesystem::path(name).extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool is_gltf = extension == ".gltf" || extension == ".glb";
+  Model model = is_gltf ? load_gltf(source, name) : load_with_assimp(source, name);
+  if (model.parts.empty()) throw InputError("can't import the model", "it has no triangles", source.describe(name));
   find_bounds(model);
   return model;
 }

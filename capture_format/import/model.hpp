@@ -19,6 +19,7 @@ struct ModelPart {
   Mesh mesh;                           // normals always; tangents where the material has a normal map and there are uvs
   std::uint32_t material = 0;          // in Model::materials
   std::vector<glm::dmat4> placements;  // at least one
+  bool instanced = false;              // drawn by one call with instances, else by a call for each placement
 };
 
 // Seen from the origin of `world` along its -z, +y up.
