@@ -50,7 +50,7 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfElement& extensio
   }
   result.indices.reserve(std::size_t{3} * mesh->num_faces());
   for (std::uint32_t f = 0; f < mesh->num_faces(); ++f) {
-    for (const draco::PointIndex corner : mesh->face(draco::FaceIndex(f))) {
+    for (const draco::PointIndex& corner : mesh->face(draco::FaceIndex(f))) {
       if (corner.value() >= mesh->num_points()) extension.fail("draco: a face names a point that is not there");
       result.indices.push_back(corner.value());
     }

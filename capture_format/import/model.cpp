@@ -15,6 +15,13 @@
 
 namespace subpixel::capture {
 
+namespace {
+
+// A vertex farther away is a mistake of the file's: it is drawn as it is, but no camera looks for it.
+constexpr double kFarthest = 1e12;
+
+}  // namespace
+
 void find_bounds(Model& model) {
   model.low = glm::dvec3(std::numeric_limits<double>::infinity());
   model.high = -model.low;
@@ -22,7 +29,7 @@ void find_bounds(Model& model) {
     for (const glm::dmat4& place : part.placements) {
       for (const glm::dvec3& position : part.mesh.positions) {
         const glm::dvec3 at(place * glm::dvec4(position, 1));
-        if (!std::isfinite(at.x + at.y + at.z)) continue;
+        if (!(glm::length(at) <= kFarthest)) continue;  // NaN, too
         model.low = glm::min(model.low, at);
         model.high = glm::max(model.high, at);
       }
@@ -41,6 +48,9 @@ Model load_model(const AssetSource& source, const std::string& name) {
   Model model = is_gltf ? load_gltf(source, name) : load_with_assimp(source, name);
   if (model.parts.empty()) throw InputError("can't import the model", "it has no triangles", source.describe(name));
   find_bounds(model);
+  if (!(model.low.x <= model.high.x)) {
+    throw InputError("can't import the model", "no vertex of its triangles has a usable position", source.describe(name));
+  }
   return model;
 }
 

@@ -64,7 +64,7 @@ struct Model {
 // missing, damaged or too large.
 Model load_model(const AssetSource& source, const std::string& name);
 
-// Sets low and high from the placed parts; positions that are not finite are left out.
+// Sets low and high from the placed parts; positions that are not finite, or beyond 1e12, are left out.
 void find_bounds(Model& model);
 
 // Joins all parts of one material into one, their placements applied: for models that are placed as a whole.
