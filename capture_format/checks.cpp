@@ -53,7 +53,7 @@ void check_stream(const Capture& capture, const Draw& draw, const VertexStream& 
     report(name + ".buffer", below(stream.buffer, capture.buffers.size()));
     return;
   }
-  if (stream.format > VertexFormat::unorm16x2) {
+  if (stream.format > VertexFormat::unorm16x4) {
     report(name + ".format", std::to_string(static_cast<std::uint32_t>(stream.format)) + " is no vertex format");
     return;
   }
@@ -69,6 +69,23 @@ void check_stream(const Capture& capture, const Draw& draw, const VertexStream& 
   if (!fits(stream.offset, span_bytes, available)) {
     report(name + ".offset", std::to_string(draw.vertex_count) + " vertices at byte " + std::to_string(stream.offset) +
                                  " leave the buffer's " + std::to_string(available) + " bytes");
+  }
+}
+
+// Other attributes may have any format: components it lacks are 0 and 1 (decode_stream). A colour of two components, or
+// with negative ones in its very format, is a mistake.
+void check_colour_format(const VertexStream& colour, const Report& report) {
+  switch (colour.format) {
+    case VertexFormat::float32x3:
+    case VertexFormat::float32x4:
+    case VertexFormat::float16x4:
+    case VertexFormat::unorm8x4:
+    case VertexFormat::unorm16x4:
+      return;
+    default:
+      if (colour.buffer != kNone) {
+        report("colour.format", std::to_string(static_cast<std::uint32_t>(colour.format)) + " is no format of colours");
+      }
   }
 }
 
@@ -114,6 +131,35 @@ void check_instances(const Capture& capture, const Draw& draw, const Report& rep
                                   std::to_string(draw.instance_offset) + " leave the buffer's " +
                                   std::to_string(available) + " bytes");
   }
+}
+
+template <typename Enumeration>
+void check_enumeration(std::string_view field, Enumeration value, Enumeration last, const char* what,
+                       const Report& report) {
+  if (value > last) report(field, std::to_string(static_cast<std::uint32_t>(value)) + " is no " + what);
+}
+
+void check_sampler(const Sampler& sampler, const Report& report) {
+  check_enumeration("sampler.wrap_u", sampler.wrap_u, Wrap::mirrored_repeat, "wrap", report);
+  check_enumeration("sampler.wrap_v", sampler.wrap_v, Wrap::mirrored_repeat, "wrap", report);
+  check_enumeration("sampler.magnify", sampler.magnify, TexelFilter::nearest, "texel filter", report);
+  check_enumeration("sampler.minify", sampler.minify, TexelFilter::nearest, "texel filter", report);
+  check_enumeration("sampler.mip", sampler.mip, MipFilter::none, "mip filter", report);
+}
+
+void check_uv_mapping(const std::string& field, const UvMapping& mapping, const Report& report) {
+  if (mapping.set > 1) report(field + ".set", std::to_string(mapping.set) + " is neither 0 nor 1");
+  check_finite(field + ".matrix", mapping.matrix, report);
+}
+
+void check_cone(const SpotCone& cone, const Report& report) {
+  check_finite("cone.direction", cone.direction, report);
+  const Float3& d = cone.direction;
+  if (d[0] == 0 && d[1] == 0 && d[2] == 0) report("cone.direction", "of length 0");
+  const auto is_cosine = [](float value) { return value >= -1 && value <= 1; };
+  if (!is_cosine(cone.inner_cosine)) report("cone.inner_cosine", "outside -1 to 1");
+  if (!is_cosine(cone.outer_cosine)) report("cone.outer_cosine", "outside -1 to 1");
+  if (!(cone.inner_cosine > cone.outer_cosine)) report("cone.inner_cosine", "not above outer_cosine");
 }
 
 template <typename Index>
@@ -176,6 +222,12 @@ void check_metadata(const Metadata& metadata, const Report& report) {
   if (!(std::isfinite(metadata.metres_per_unit) && metadata.metres_per_unit > 0)) {
     report("metres_per_unit", "not a positive number");
   }
+  if (metadata.notices.size() > kMaxNotices) {
+    report("notices", std::to_string(metadata.notices.size()) + " are more than " + std::to_string(kMaxNotices));
+  }
+  for (std::size_t i = 0; i < metadata.notices.size(); ++i) {
+    check_text("notices[" + std::to_string(i) + "]", metadata.notices[i], report);
+  }
 }
 
 void check_buffer(const Buffer& buffer, const Report& report) {
@@ -184,6 +236,7 @@ void check_buffer(const Buffer& buffer, const Report& report) {
 
 void check_texture(const Texture& texture, const Report& report) {
   check_text("name", texture.name, report);
+  check_sampler(texture.sampler, report);
   if (texture.encoding == TextureEncoding::image_file) {
     if (texture.width != 0 || texture.height != 0) report("width", "set on a texture that is an image file");
     if (texture.bytes.empty()) report("bytes", "empty");
@@ -211,6 +264,11 @@ void check_material(const Material& material, std::size_t texture_count, const R
   if (material.alpha_mode > AlphaMode::blend) {
     report("alpha_mode", std::to_string(static_cast<std::uint32_t>(material.alpha_mode)) + " is no alpha mode");
   }
+  check_finite("normal_scale", std::span(&material.normal_scale, 1), report);
+  check_uv_mapping("base_colour_uv", material.base_colour_uv, report);
+  check_uv_mapping("metallic_roughness_uv", material.metallic_roughness_uv, report);
+  check_uv_mapping("normal_uv", material.normal_uv, report);
+  check_uv_mapping("emissive_uv", material.emissive_uv, report);
   const std::pair<std::string_view, std::uint32_t> textures[] = {
       {"base_colour_texture", material.base_colour_texture},
       {"metallic_roughness_texture", material.metallic_roughness_texture},
@@ -253,6 +311,7 @@ void check_frame(const Frame& frame, const Report& report) {
     check_finite("position", light.position, named);
     check_not_negative("intensity", light.intensity, named);
     if (!(std::isfinite(light.range) && light.range > 0)) named("range", "not a positive number");
+    if (light.cone) check_cone(*light.cone, named);
   }
 }
 
@@ -279,6 +338,9 @@ void check_draw(const Capture& capture, const Draw& draw, const Report& report) 
   check_stream(capture, draw, draw.normal, "normal", report);
   check_stream(capture, draw, draw.uv, "uv", report);
   check_stream(capture, draw, draw.tangent, "tangent", report);
+  check_stream(capture, draw, draw.uv2, "uv2", report);
+  check_stream(capture, draw, draw.colour, "colour", report);
+  check_colour_format(draw.colour, report);
   check_indices(capture, draw, report);
   check_instances(capture, draw, report);
 }

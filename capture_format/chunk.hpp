@@ -12,7 +12,7 @@ namespace subpixel::capture {
 // As PNG does: a high bit, both line ends and ctrl-Z, so that a text-mode copy damages the magic visibly.
 inline constexpr std::array<unsigned char, 8> kMagic{0x89, 'S', 'P', 'C', 'A', 'P', '\n', 0x1a};
 inline constexpr std::array<unsigned char, 8> kEndMagic{'S', 'P', 'C', 'A', 'P', 'E', 'N', 'D'};
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kOldestVersion = 1, kNewestVersion = 2;
 
 inline constexpr std::uint64_t kHeaderBytes = 16;       // magic, version, flags
 inline constexpr std::uint64_t kChunkHeaderBytes = 40;  // type, id, codec, reserved, stored, decoded, checksum

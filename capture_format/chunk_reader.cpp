@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "capture_format/error.hpp"
 
@@ -144,7 +145,7 @@ void fail_reading(const std::string& why, std::uint64_t offset, const std::strin
   throw InputError("the capture can't be read", why, where);
 }
 
-std::vector<ChunkAt> list_chunks(std::span<const std::byte> file, const ReadLimits& limits) {
+ChunkList list_chunks(std::span<const std::byte> file, const ReadLimits& limits) {
   if (file.size() < kMagic.size() || !has_magic(file, 0, kMagic)) {
     fail_reading("this is no .spcap capture", 0, "header", "magic");
   }
@@ -152,9 +153,10 @@ std::vector<ChunkAt> list_chunks(std::span<const std::byte> file, const ReadLimi
     fail_reading("the file is truncated to " + std::to_string(file.size()) + " bytes", file.size(), "", "");
   }
   const auto version = load<std::uint32_t>(file, 8);
-  if (version != kVersion) {
-    fail_reading("version " + std::to_string(version) + ", this program reads version " + std::to_string(kVersion), 8,
-                 "header", "version");
+  if (version < kOldestVersion || version > kNewestVersion) {
+    fail_reading("version " + std::to_string(version) + ", this program reads " + std::to_string(kOldestVersion) +
+                     " and " + std::to_string(kNewestVersion),
+                 8, "header", "version");
   }
   if (load<std::uint32_t>(file, 12) != 0) fail_reading("not 0", 12, "header", "flags");
   const std::uint64_t index_offset = checked_footer(file);
@@ -180,7 +182,7 @@ std::vector<ChunkAt> list_chunks(std::span<const std::byte> file, const ReadLimi
     offset = aligned(end);
   }
   require_index(file, index_offset, chunks);
-  return chunks;
+  return {version, std::move(chunks)};
 }
 
 std::vector<std::byte> decode_chunk(std::span<const std::byte> file, const ChunkAt& chunk) {

@@ -21,16 +21,21 @@ struct ChunkAt {
   std::uint64_t offset = 0;  // of the chunk's header in the file
 };
 
+struct ChunkList {
+  std::uint32_t version = 0;    // of the file, kOldestVersion to kNewestVersion
+  std::vector<ChunkAt> chunks;  // all but the index, in file order
+};
+
 std::string chunk_name(ChunkType type, std::uint32_t id);
 
 // Throws InputError("the capture can't be read", why, "byte N, chunk C, field F"); empty parts are left out.
 [[noreturn]] void fail_reading(const std::string& why, std::uint64_t offset, const std::string& chunk,
                                std::string_view field);
 
-// All chunks but the index, in file order. Checks everything outside payloads: magic, version, footer, index against
+// Checks everything outside payloads: magic, version, footer, index against
 // the chunks themselves, order and numbering, sizes against the file, padding, and that the decoded sizes together
 // stay within the limits. Payload checksums are left to decode_chunk().
-std::vector<ChunkAt> list_chunks(std::span<const std::byte> file, const ReadLimits& limits);
+ChunkList list_chunks(std::span<const std::byte> file, const ReadLimits& limits);
 
 // The payload of a chunk from list_chunks(), its checksum verified, decompressed to exactly its decoded size.
 std::vector<std::byte> decode_chunk(std::span<const std::byte> file, const ChunkAt& chunk);

@@ -19,7 +19,8 @@ void use(const subpixel::capture::Capture& capture) {
   using namespace subpixel::capture;
   for (const Frame& frame : capture.frames) {
     for (const Draw& draw : frame.draws) {
-      for (const VertexStream* stream : {&draw.position, &draw.normal, &draw.uv, &draw.tangent}) {
+      for (const VertexStream* stream :
+           {&draw.position, &draw.normal, &draw.uv, &draw.tangent, &draw.uv2, &draw.colour}) {
         decode_stream(capture, *stream, draw.vertex_count, 4);
       }
       for (const std::uint32_t index : decode_indices(capture, draw)) {

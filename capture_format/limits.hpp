@@ -12,6 +12,7 @@ inline constexpr std::uint32_t kMaxMaterials = 1u << 16;
 inline constexpr std::uint32_t kMaxFrames = 1u << 16;
 inline constexpr std::uint32_t kMaxDraws = 1u << 20;        // of one frame
 inline constexpr std::uint32_t kMaxPointLights = 1u << 16;  // of one frame
+inline constexpr std::uint32_t kMaxNotices = 4096;          // of the metadata
 inline constexpr std::uint32_t kMaxTextBytes = 1u << 16;    // of one name or metadata text
 inline constexpr std::uint32_t kMaxTextureSide = 16384;     // texels
 inline constexpr std::uint32_t kMaxFrameSide = 16384;       // pixels

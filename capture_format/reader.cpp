@@ -7,104 +7,10 @@
 #include "capture_format/checks.hpp"
 #include "capture_format/chunk_reader.hpp"
 #include "capture_format/error.hpp"
+#include "capture_format/record_reader.hpp"
 
 namespace subpixel::capture {
 namespace {
-
-// Smallest encodings, for bounding counts before memory is taken for them.
-constexpr std::size_t kPointLightBytes = 28;
-constexpr std::size_t kMaterialBytes = 68;
-constexpr std::size_t kDrawBytes = 196;
-
-Report fail_in(const FieldReader& in) {
-  return [&in](std::string_view field, const std::string& why) { in.fail(field, why); };
-}
-
-VertexStream read_stream(FieldReader& in, std::string_view name) {
-  VertexStream stream;
-  stream.buffer = in.get<std::uint32_t>(name);
-  stream.format = in.get<VertexFormat>(name);
-  stream.offset = in.get<std::uint64_t>(name);
-  stream.stride = in.get<std::uint32_t>(name);
-  return stream;
-}
-
-Draw read_draw(FieldReader& in) {
-  Draw draw;
-  draw.name = in.text("name");
-  draw.material = in.get<std::uint32_t>("material");
-  draw.position = read_stream(in, "position");
-  draw.normal = read_stream(in, "normal");
-  draw.uv = read_stream(in, "uv");
-  draw.tangent = read_stream(in, "tangent");
-  draw.index_type = in.get<IndexType>("index_type");
-  draw.index_buffer = in.get<std::uint32_t>("index_buffer");
-  draw.index_offset = in.get<std::uint64_t>("index_offset");
-  draw.index_count = in.get<std::uint32_t>("index_count");
-  draw.base_vertex = in.get<std::int32_t>("base_vertex");
-  draw.vertex_count = in.get<std::uint32_t>("vertex_count");
-  draw.transform = in.get<Matrix4>("transform");
-  draw.instance_buffer = in.get<std::uint32_t>("instance_buffer");
-  draw.instance_offset = in.get<std::uint64_t>("instance_offset");
-  draw.instance_count = in.get<std::uint32_t>("instance_count");
-  return draw;
-}
-
-Frame read_frame(FieldReader& in, const Capture& capture, IndexChecker& indices) {
-  Frame frame;
-  frame.name = in.text("name");
-  frame.time_s = in.get<double>("time_s");
-  frame.view = in.get<Matrix4>("view");
-  frame.projection = in.get<Matrix4>("projection");
-  frame.clip_depth = in.get<ClipDepth>("clip_depth");
-  frame.clip_y_up = in.flag("clip_y_up");
-  frame.width = in.get<std::uint32_t>("width");
-  frame.height = in.get<std::uint32_t>("height");
-  frame.exposure = in.get<float>("exposure");
-  frame.sky = in.get<Float3>("sky");
-  frame.ambient = in.get<Float3>("ambient");
-  if (in.flag("has_sun")) {
-    frame.sun.emplace();
-    frame.sun->direction = in.get<Float3>("sun.direction");
-    frame.sun->irradiance = in.get<Float3>("sun.irradiance");
-    frame.sun->shadows = in.flag("sun.shadows");
-  }
-  frame.point_lights.resize(in.count("point_lights", kMaxPointLights, kPointLightBytes));
-  for (PointLight& light : frame.point_lights) {
-    light.position = in.get<Float3>("point_lights");
-    light.intensity = in.get<Float3>("point_lights");
-    light.range = in.get<float>("point_lights");
-  }
-  check_frame(frame, fail_in(in));
-  const std::uint32_t draw_count = in.count("draws", kMaxDraws, kDrawBytes);
-  frame.draws.reserve(draw_count);
-  for (std::uint32_t i = 0; i < draw_count; ++i) {
-    in.enter("draw", i);
-    frame.draws.push_back(read_draw(in));
-    check_draw(capture, frame.draws.back(), fail_in(in));
-    indices.check(capture, frame.draws.back(), fail_in(in));
-  }
-  in.leave();
-  check_draw_list(frame, fail_in(in));
-  return frame;
-}
-
-Material read_material(FieldReader& in) {
-  Material material;
-  material.name = in.text("name");
-  material.base_colour = in.get<std::array<float, 4>>("base_colour");
-  material.base_colour_texture = in.get<std::uint32_t>("base_colour_texture");
-  material.alpha_mode = in.get<AlphaMode>("alpha_mode");
-  material.alpha_cutoff = in.get<float>("alpha_cutoff");
-  material.metallic = in.get<float>("metallic");
-  material.roughness = in.get<float>("roughness");
-  material.metallic_roughness_texture = in.get<std::uint32_t>("metallic_roughness_texture");
-  material.normal_texture = in.get<std::uint32_t>("normal_texture");
-  material.emissive = in.get<Float3>("emissive");
-  material.emissive_texture = in.get<std::uint32_t>("emissive_texture");
-  material.two_sided = in.flag("two_sided");
-  return material;
-}
 
 // The bytes of DATA chunks, decoded at first use. Chunks are used more than once when contents were equal.
 class DataChunks {
@@ -156,7 +62,8 @@ void require_fewer(const ChunkAt& chunk, std::size_t count, std::uint32_t most) 
 
 class CaptureReader {
  public:
-  CaptureReader(std::span<const std::byte> file, const ReadLimits& limits) : file_(file), data_(file, limits) {}
+  CaptureReader(std::span<const std::byte> file, std::uint32_t version, const ReadLimits& limits)
+      : file_(file), records_(version), data_(file, limits) {}
 
   void read(const ChunkAt& chunk) {
     if (chunk.header.type == ChunkType::data) {
@@ -167,7 +74,9 @@ class CaptureReader {
     FieldReader in(payload, chunk);
     switch (chunk.header.type) {
       case ChunkType::metadata:
-        read_metadata(in, chunk);
+        require_fewer(chunk, metadata_read_, 1);
+        capture_.metadata = records_.metadata(in);
+        ++metadata_read_;
         break;
       case ChunkType::buffer:
         require_fewer(chunk, capture_.buffers.size(), kMaxBuffers);
@@ -179,11 +88,12 @@ class CaptureReader {
         break;
       case ChunkType::material:
         require_fewer(chunk, materials_read_, 1);
-        read_materials(in);
+        capture_.materials = records_.materials(in, capture_.textures.size());
+        ++materials_read_;
         break;
       case ChunkType::frame:
         require_fewer(chunk, capture_.frames.size(), kMaxFrames);
-        capture_.frames.push_back(read_frame(in, capture_, indices_));
+        capture_.frames.push_back(records_.frame(in, capture_, indices_));
         break;
       case ChunkType::data:
       case ChunkType::index:
@@ -200,17 +110,6 @@ class CaptureReader {
   }
 
  private:
-  void read_metadata(FieldReader& in, const ChunkAt& chunk) {
-    require_fewer(chunk, metadata_read_, 1);
-    capture_.metadata.title = in.text("title");
-    capture_.metadata.application = in.text("application");
-    capture_.metadata.tool = in.text("tool");
-    capture_.metadata.licence = in.text("licence");
-    capture_.metadata.metres_per_unit = in.get<float>("metres_per_unit");
-    check_metadata(capture_.metadata, fail_in(in));
-    ++metadata_read_;
-  }
-
   void read_buffer(FieldReader& in) {
     Buffer buffer;
     buffer.name = in.text("name");
@@ -220,29 +119,15 @@ class CaptureReader {
   }
 
   void read_texture(FieldReader& in) {
-    Texture texture;
-    texture.name = in.text("name");
-    texture.encoding = in.get<TextureEncoding>("encoding");
-    texture.srgb = in.flag("srgb");
-    texture.width = in.get<std::uint32_t>("width");
-    texture.height = in.get<std::uint32_t>("height");
+    Texture texture = records_.texture_head(in);
     texture.bytes = data_.take(in);
+    texture.sampler = records_.sampler(in);
     check_texture(texture, fail_in(in));
     capture_.textures.push_back(std::move(texture));
   }
 
-  void read_materials(FieldReader& in) {
-    const std::uint32_t count = in.count("materials", kMaxMaterials, kMaterialBytes);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      in.enter("material", i);
-      capture_.materials.push_back(read_material(in));
-      check_material(capture_.materials.back(), capture_.textures.size(), fail_in(in));
-    }
-    in.leave();
-    ++materials_read_;
-  }
-
   std::span<const std::byte> file_;
+  RecordReader records_;
   Capture capture_;
   DataChunks data_;
   IndexChecker indices_;
@@ -270,9 +155,9 @@ std::vector<std::byte> file_bytes(const std::filesystem::path& path, const ReadL
 }  // namespace
 
 Capture decode_capture(std::span<const std::byte> bytes, const ReadLimits& limits) {
-  const std::vector<ChunkAt> chunks = list_chunks(bytes, limits);
-  CaptureReader reader(bytes, limits);
-  for (const ChunkAt& chunk : chunks) reader.read(chunk);
+  const ChunkList list = list_chunks(bytes, limits);
+  CaptureReader reader(bytes, list.version, limits);
+  for (const ChunkAt& chunk : list.chunks) reader.read(chunk);
   return reader.finish();
 }
 

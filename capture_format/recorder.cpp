@@ -43,9 +43,14 @@ std::uint32_t Recorder::add_buffer(std::string name, std::span<const std::byte> 
 
 std::uint32_t Recorder::add_texture(Texture texture) {
   check_texture(texture, refuse("texture"));
-  const std::string key = content_hash_hex(texture.bytes) + (texture.srgb ? " srgb " : " linear ") +
-                          std::to_string(texture.width) + " " +
-                          std::to_string(static_cast<std::uint32_t>(texture.encoding));
+  const Sampler& sampler = texture.sampler;
+  std::string key = content_hash_hex(texture.bytes) + (texture.srgb ? " srgb " : " linear ");
+  for (const std::uint32_t part :
+       {texture.width, static_cast<std::uint32_t>(texture.encoding), static_cast<std::uint32_t>(sampler.wrap_u),
+        static_cast<std::uint32_t>(sampler.wrap_v), static_cast<std::uint32_t>(sampler.magnify),
+        static_cast<std::uint32_t>(sampler.minify), static_cast<std::uint32_t>(sampler.mip)}) {
+    key += std::to_string(part) + " ";
+  }
   if (const auto found = textures_.find(key); found != textures_.end()) return found->second;
   require(capture_.textures.size() < kMaxTextures, "can't record the texture", "there are too many");
   const auto number = static_cast<std::uint32_t>(capture_.textures.size());

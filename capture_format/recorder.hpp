@@ -26,7 +26,7 @@ class Recorder {
   // hand over its buffers anew for every frame.
   std::uint32_t add_buffer(std::string name, std::span<const std::byte> bytes);
 
-  // The number to use in Material. Equal textures are one.
+  // The number to use in Material. Equal textures with equal samplers are one.
   std::uint32_t add_texture(Texture texture);
 
   // The number to use in Draw.

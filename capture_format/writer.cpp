@@ -4,9 +4,7 @@
 #include <unistd.h>
 #include <zstd.h>
 
-#include <bit>
 #include <cerrno>
-#include <cstring>
 #include <map>
 #include <random>
 #include <span>
@@ -18,107 +16,16 @@
 #include "capture_format/error.hpp"
 #include "capture_format/hash.hpp"
 #include "capture_format/limits.hpp"
+#include "capture_format/record_writer.hpp"
 
 namespace subpixel::capture {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
-
-class ByteWriter {
- public:
-  std::vector<std::byte> bytes;
-
-  template <typename T>
-  requires std::is_trivially_copyable_v<T>
-  void put(const T& value) {
-    const auto* from = reinterpret_cast<const std::byte*>(&value);
-    bytes.insert(bytes.end(), from, from + sizeof value);
-  }
-  void text(const std::string& value) {
-    put(static_cast<std::uint32_t>(value.size()));
-    raw(std::as_bytes(std::span(value)));
-  }
-  void raw(std::span<const std::byte> from) { bytes.insert(bytes.end(), from.begin(), from.end()); }
-};
-
-void put_stream(ByteWriter& out, const VertexStream& stream) {
-  out.put(stream.buffer);
-  out.put(stream.format);
-  out.put(stream.offset);
-  out.put(stream.stride);
-}
-
-void put_draw(ByteWriter& out, const Draw& draw) {
-  out.text(draw.name);
-  out.put(draw.material);
-  for (const VertexStream* stream : {&draw.position, &draw.normal, &draw.uv, &draw.tangent}) put_stream(out, *stream);
-  out.put(draw.index_type);
-  out.put(draw.index_buffer);
-  out.put(draw.index_offset);
-  out.put(draw.index_count);
-  out.put(draw.base_vertex);
-  out.put(draw.vertex_count);
-  out.put(draw.transform);
-  out.put(draw.instance_buffer);
-  out.put(draw.instance_offset);
-  out.put(draw.instance_count);
-}
-
-std::vector<std::byte> frame_payload(const Frame& frame) {
-  ByteWriter out;
-  out.text(frame.name);
-  out.put(frame.time_s);
-  out.put(frame.view);
-  out.put(frame.projection);
-  out.put(frame.clip_depth);
-  out.put(std::uint32_t{frame.clip_y_up});
-  out.put(frame.width);
-  out.put(frame.height);
-  out.put(frame.exposure);
-  out.put(frame.sky);
-  out.put(frame.ambient);
-  out.put(std::uint32_t{frame.sun.has_value()});
-  if (frame.sun) {
-    out.put(frame.sun->direction);
-    out.put(frame.sun->irradiance);
-    out.put(std::uint32_t{frame.sun->shadows});
-  }
-  out.put(static_cast<std::uint32_t>(frame.point_lights.size()));
-  for (const PointLight& light : frame.point_lights) {
-    out.put(light.position);
-    out.put(light.intensity);
-    out.put(light.range);
-  }
-  out.put(static_cast<std::uint32_t>(frame.draws.size()));
-  for (const Draw& draw : frame.draws) put_draw(out, draw);
-  return std::move(out.bytes);
-}
-
-std::vector<std::byte> materials_payload(const std::vector<Material>& materials) {
-  ByteWriter out;
-  out.put(static_cast<std::uint32_t>(materials.size()));
-  for (const Material& material : materials) {
-    out.text(material.name);
-    out.put(material.base_colour);
-    out.put(material.base_colour_texture);
-    out.put(material.alpha_mode);
-    out.put(material.alpha_cutoff);
-    out.put(material.metallic);
-    out.put(material.roughness);
-    out.put(material.metallic_roughness_texture);
-    out.put(material.normal_texture);
-    out.put(material.emissive);
-    out.put(material.emissive_texture);
-    out.put(std::uint32_t{material.two_sided});
-  }
-  return std::move(out.bytes);
-}
-
 class FileWriter {
  public:
-  explicit FileWriter(const EncodeOptions& options) : level_(options.zstd_level) {
+  FileWriter(std::uint32_t version, const EncodeOptions& options) : level_(options.zstd_level) {
     for (const unsigned char c : kMagic) out_.put(c);
-    out_.put(kVersion);
+    out_.put(version);
     out_.put(std::uint32_t{0});
   }
 
@@ -283,14 +190,9 @@ class TemporaryFile {
 
 std::vector<std::byte> encode_capture(const Capture& capture, const EncodeOptions& options) {
   require_valid(capture);
-  FileWriter file(options);
-  ByteWriter metadata;
-  metadata.text(capture.metadata.title);
-  metadata.text(capture.metadata.application);
-  metadata.text(capture.metadata.tool);
-  metadata.text(capture.metadata.licence);
-  metadata.put(capture.metadata.metres_per_unit);
-  file.chunk(ChunkType::metadata, 0, metadata.bytes);
+  const RecordWriter records(needed_version(capture));
+  FileWriter file(records.version(), options);
+  file.chunk(ChunkType::metadata, 0, records.metadata(capture.metadata));
 
   DataChunks data(file);
   std::vector<std::uint32_t> buffer_data;
@@ -299,25 +201,14 @@ std::vector<std::byte> encode_capture(const Capture& capture, const EncodeOption
   for (const Texture& texture : capture.textures) texture_data.push_back(data.add(texture.bytes));
 
   for (std::uint32_t i = 0; i < capture.buffers.size(); ++i) {
-    ByteWriter out;
-    out.text(capture.buffers[i].name);
-    out.put(buffer_data[i]);
-    file.chunk(ChunkType::buffer, i, out.bytes);
+    file.chunk(ChunkType::buffer, i, records.buffer(capture.buffers[i], buffer_data[i]));
   }
   for (std::uint32_t i = 0; i < capture.textures.size(); ++i) {
-    const Texture& texture = capture.textures[i];
-    ByteWriter out;
-    out.text(texture.name);
-    out.put(texture.encoding);
-    out.put(std::uint32_t{texture.srgb});
-    out.put(texture.width);
-    out.put(texture.height);
-    out.put(texture_data[i]);
-    file.chunk(ChunkType::texture, i, out.bytes);
+    file.chunk(ChunkType::texture, i, records.texture(capture.textures[i], texture_data[i]));
   }
-  file.chunk(ChunkType::material, 0, materials_payload(capture.materials));
+  file.chunk(ChunkType::material, 0, records.materials(capture.materials));
   for (std::uint32_t i = 0; i < capture.frames.size(); ++i) {
-    file.chunk(ChunkType::frame, i, frame_payload(capture.frames[i]));
+    file.chunk(ChunkType::frame, i, records.frame(capture.frames[i]));
   }
   return file.finish();
 }

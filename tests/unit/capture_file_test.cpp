@@ -118,11 +118,14 @@ TEST_F(CaptureFile, ForeignFilesAreNamedAsSuch) {
 }
 
 TEST_F(CaptureFile, AnotherVersionIsNamed) {
-  std::vector<std::byte> bytes = encode_capture(small_capture());
-  bytes[8] = std::byte{2};
-  EXPECT_NE(refusal(bytes).find("version 2, this program reads version 1: byte 8, chunk header, field version"),
-            std::string::npos)
-      << refusal(bytes);
+  for (const unsigned version : {0u, 3u, 255u}) {
+    std::vector<std::byte> bytes = encode_capture(small_capture());
+    bytes[8] = static_cast<std::byte>(version);
+    EXPECT_NE(refusal(bytes).find("version " + std::to_string(version) +
+                                  ", this program reads 1 and 2: byte 8, chunk header, field version"),
+              std::string::npos)
+        << refusal(bytes);
+  }
 }
 
 TEST_F(CaptureFile, LimitsOfTheCallerHold) {

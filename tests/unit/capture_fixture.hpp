@@ -93,6 +93,34 @@ inline Capture small_capture() {
   return capture;
 }
 
+// The same with every field that version 2 of the format added, none at its default.
+inline Capture version_2_capture() {
+  Capture capture = small_capture();
+  capture.metadata.notices = {"ignored: morph targets of 3 meshes", ""};
+  capture.textures[0].sampler = {Wrap::clamp_to_edge, Wrap::mirrored_repeat, TexelFilter::nearest, TexelFilter::nearest,
+                                 MipFilter::none};
+  Material& leaf = capture.materials[1];
+  leaf.normal_scale = -0.5f;
+  leaf.unlit = true;
+  leaf.base_colour_uv = {1, {2, 0, 0.25f, 0, 3, -1}};
+  leaf.metallic_roughness_uv = {0, {1, 2, 3, 4, 5, 6}};
+  leaf.normal_uv = {1, {0, -1, 0, 1, 0, 0}};
+  leaf.emissive_uv = {0, {1, 0, 0, 0, 1, 7}};
+  // 4 vertices of 12 bytes: uv2 float32x2, colour unorm8x4.
+  std::vector<std::byte> more(48, std::byte{0});
+  for (std::size_t i = 0; i < 4; ++i) {
+    const float uv2[2] = {static_cast<float>(i), 0.5f};
+    std::memcpy(more.data() + 12 * i, uv2, sizeof uv2);
+    more[12 * i + 8 + i % 4] = std::byte{255};
+  }
+  capture.buffers.push_back({"more", more});
+  Draw& draw = capture.frames[0].draws[0];
+  draw.uv2 = {5, VertexFormat::float32x2, 0, 12};
+  draw.colour = {5, VertexFormat::unorm8x4, 8, 12};
+  capture.frames[0].point_lights[1].cone = SpotCone{{0, 0, -2}, 0.9f, -0.25f};
+  return capture;
+}
+
 // The message with which decode_capture() refuses the bytes; empty when it takes them.
 inline std::string refusal(std::span<const std::byte> bytes, const ReadLimits& limits = {}) {
   try {

@@ -4,74 +4,12 @@
 #include <functional>
 #include <limits>
 
-#include "capture_format/chunk.hpp"
 #include "capture_format/limits.hpp"
 #include "capture_format/writer.hpp"
-#include "tests/unit/capture_fixture.hpp"
+#include "tests/unit/capture_forgery.hpp"
 
 namespace subpixel::capture {
 namespace {
-
-// An uncompressed file that can be changed field by field and signed again.
-class Forgery {
- public:
-  Forgery() : bytes_(encode_capture(small_capture(), {.zstd_level = 0})) {}
-
-  // Offset of a chunk's header.
-  std::size_t chunk(ChunkType type, std::uint32_t id = 0) const {
-    std::size_t offset = kHeaderBytes;
-    while (get<ChunkType>(offset) != type || get<std::uint32_t>(offset + 4) != id) {
-      offset = aligned(offset + kChunkHeaderBytes + get<std::uint64_t>(offset + 16));
-    }
-    return offset;
-  }
-
-  template <typename T>
-  T get(std::size_t offset) const {
-    T value;
-    std::memcpy(&value, bytes_.data() + offset, sizeof value);
-    return value;
-  }
-  template <typename T>
-  void set(std::size_t offset, T value) {
-    std::memcpy(bytes_.data() + offset, &value, sizeof value);
-  }
-
-  // Sets a field of a chunk's payload and makes its checksum right.
-  template <typename T>
-  void set_payload(ChunkType type, std::uint32_t id, std::size_t offset, T value) {
-    const std::size_t at = chunk(type, id);
-    set(at + kChunkHeaderBytes + offset, value);
-    sign(at);
-  }
-
-  void sign(std::size_t chunk_offset) {
-    const std::span<const std::byte> all(bytes_);
-    const auto stored = get<std::uint64_t>(chunk_offset + 16);
-    if (stored > bytes_.size()) return;  // the lie is the size itself
-    set(chunk_offset + 32, checksum_of(all.subspan(chunk_offset, 32), all.subspan(chunk_offset + 40, stored)));
-  }
-
-  // Where in the first frame's payload a pattern of bytes stands, which must be there once.
-  template <typename T>
-  std::size_t find_in_frame(const T& pattern) const {
-    const std::size_t from = chunk(ChunkType::frame) + kChunkHeaderBytes;
-    const std::size_t size = get<std::uint64_t>(chunk(ChunkType::frame) + 16);
-    for (std::size_t i = 0; i + sizeof pattern <= size; ++i) {
-      if (std::memcmp(bytes_.data() + from + i, &pattern, sizeof pattern) == 0) return i;
-    }
-    ADD_FAILURE() << "pattern not found";
-    return 0;
-  }
-
-  std::string refused() const { return refusal(bytes_); }
-
- private:
-  std::vector<std::byte> bytes_;
-};
-
-#define EXPECT_REFUSED(forgery, text) \
-  EXPECT_NE((forgery).refused().find(text), std::string::npos) << "refused with: " << (forgery).refused()
 
 constexpr std::uint32_t kHuge = 0xfffffff0u;
 

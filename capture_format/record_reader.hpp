@@ -1,0 +1,44 @@
+// The records of SPEC.md, read field by field and checked by the rules of checks.hpp. Private to the reader.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "capture_format/capture.hpp"
+#include "capture_format/checks.hpp"
+#include "capture_format/chunk_reader.hpp"
+
+namespace subpixel::capture {
+
+// Reads the records of a file of one version; fields that the version lacks stay as capture.hpp initialises them.
+// Every function throws InputError naming the first field that is missing or breaks a rule.
+class RecordReader {
+ public:
+  explicit RecordReader(std::uint32_t version) : has_version_2_(version >= 2) {}
+
+  Metadata metadata(FieldReader& in) const;
+
+  // A texture's fields before and after its data number; they are not checked before the texture is whole.
+  Texture texture_head(FieldReader& in) const;
+  Sampler sampler(FieldReader& in) const;
+
+  std::vector<Material> materials(FieldReader& in, std::size_t texture_count) const;
+
+  // `capture` holds all buffers and materials.
+  Frame frame(FieldReader& in, const Capture& capture, IndexChecker& indices) const;
+
+ private:
+  UvMapping uv_mapping(FieldReader& in, std::string_view name) const;
+  Material material(FieldReader& in) const;
+  PointLight point_light(FieldReader& in) const;
+  VertexStream stream(FieldReader& in, std::string_view name) const;
+  Draw draw(FieldReader& in) const;
+
+  bool has_version_2_;
+};
+
+// A report that throws, for checks of what was just read from `in`.
+Report fail_in(const FieldReader& in);
+
+}  // namespace subpixel::capture
