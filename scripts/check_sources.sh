@@ -56,5 +56,6 @@ unreached=$log_folder/unreached
 deadline=$(($(date +%s) + limit))
 export passed shared_hash deadline unreached log_folder
 echo "clang-tidy: ${#candidates[@]} files"
-printf '%s\n' "${candidates[@]}" | xargs -P "$(nproc)" -n 1 bash -c 'check_one "$1"' check_one
+printf '%s\n' "${candidates[@]}" >"$log_folder/candidates"
+xargs -a "$log_folder/candidates" -P "$(nproc)" -n 1 bash -c 'check_one "$1"' check_one
 echo "clang-tidy: $(wc -l <"$unreached") of ${#candidates[@]} files not reached in time"
