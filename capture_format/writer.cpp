@@ -1,16 +1,12 @@
 #include "capture_format/writer.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
 #include <zstd.h>
 
-#include <cerrno>
 #include <map>
-#include <random>
 #include <span>
 #include <string>
-#include <system_error>
 
+#include "capture_format/atomic_file.hpp"
 #include "capture_format/checks.hpp"
 #include "capture_format/chunk.hpp"
 #include "capture_format/error.hpp"
@@ -134,58 +130,6 @@ void require_valid(const Capture& capture) {
   }
 }
 
-[[noreturn]] void fail_writing(const std::filesystem::path& path, int error) {
-  throw InputError("can't write the capture", std::generic_category().message(error), path.string());
-}
-
-// Removes the temporary file unless it was renamed. A device or a pipe is written in place: renaming would put a file
-// where it was.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::filesystem::path& target) : target_(target) {
-    std::error_code ignored;
-    const auto status = std::filesystem::status(target, ignored);
-    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-      descriptor_ = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
-    } else {
-      path_ = target.string() + "." + std::to_string(std::random_device{}()) + ".tmp";
-      // O_EXCL: two writers of one capture must never share a file.
-      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-      if (descriptor_ < 0) path_.clear();
-    }
-    if (descriptor_ < 0) fail_writing(target_, errno);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!path_.empty()) ::unlink(path_.c_str());
-  }
-
-  void write(std::span<const std::byte> bytes) {
-    while (!bytes.empty()) {
-      const ssize_t wrote = ::write(descriptor_, bytes.data(), bytes.size());
-      if (wrote < 0 && errno == EINTR) continue;
-      if (wrote <= 0) fail_writing(target_, wrote < 0 ? errno : ENOSPC);
-      bytes = bytes.subspan(static_cast<std::size_t>(wrote));
-    }
-  }
-
-  void rename_to_target() {
-    if (!path_.empty() && ::fsync(descriptor_) != 0) fail_writing(target_, errno);
-    const int closed = ::close(descriptor_);
-    descriptor_ = -1;
-    if (closed != 0) fail_writing(target_, errno);
-    if (!path_.empty() && ::rename(path_.c_str(), target_.c_str()) != 0) fail_writing(target_, errno);
-    path_.clear();
-  }
-
- private:
-  std::filesystem::path target_;
-  std::string path_;
-  int descriptor_ = -1;
-};
-
 }  // namespace
 
 std::vector<std::byte> encode_capture(const Capture& capture, const EncodeOptions& options) {
@@ -214,10 +158,7 @@ std::vector<std::byte> encode_capture(const Capture& capture, const EncodeOption
 }
 
 void write_capture(const Capture& capture, const std::filesystem::path& path, const EncodeOptions& options) {
-  const std::vector<std::byte> bytes = encode_capture(capture, options);
-  TemporaryFile file(path);
-  file.write(bytes);
-  file.rename_to_target();
+  write_file_atomically(path, encode_capture(capture, options), MissingFolder::refuse);
 }
 
 }  // namespace subpixel::capture

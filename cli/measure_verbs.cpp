@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "capture_format/atomic_file.hpp"
 #include "replay/measure/advisor.hpp"
-#include "replay/measure/atomic_file.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/image.hpp"
 #include "replay/measure/maps.hpp"
@@ -62,7 +62,7 @@ int compare(const CompareOptions& options) {
   if (linear) hdr = replay::hdr_flip(reference, test, viewing);
   const double relative = linear ? replay::hdr_relative_mse(reference, test) : std::nan("");
   if (!options.error_map.empty())
-    replay::write_file_atomically(
+    write_file_atomically(
         options.error_map,
         replay::encode_png(
             replay::colour_values(hdr ? hdr->error.map : flip.map, 1, replay::ColourMap::magma, "FLIP", "").image));

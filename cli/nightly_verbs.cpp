@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
+#include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
-#include "replay/measure/atomic_file.hpp"
 #include "server/data_folder.hpp"
 #include "server/nightly/config.hpp"
 #include "server/nightly/run_night.hpp"
@@ -33,7 +33,7 @@ void write_text(const std::string& path, const std::string& text) {
   if (path == "-") {
     std::cout << text;
   } else if (!path.empty()) {
-    replay::write_file_atomically(path, std::string_view(text));
+    write_file_atomically(path, std::string_view(text));
   }
 }
 

@@ -11,8 +11,8 @@
 #include <memory>
 #include <sstream>
 
+#include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
-#include "replay/measure/atomic_file.hpp"
 #include "replay/measure/plots.hpp"
 #include "replay/measure/results_file.hpp"
 #include "replay/replay.hpp"

@@ -9,11 +9,11 @@
 #include <map>
 #include <tuple>
 
+#include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
 #include "capture_format/hash.hpp"
 #include "capture_format/reader.hpp"
 #include "replay/gpu/litmus.hpp"
-#include "replay/measure/atomic_file.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/host_clock.hpp"
 #include "replay/measure/maps.hpp"

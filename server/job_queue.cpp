@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <fstream>
-
+#include "capture_format/atomic_file.hpp"
 #include "server/text.hpp"
 #include "server/worker_session.hpp"
 
@@ -13,13 +12,6 @@ namespace {
 
 // A run is given up when this many workers in a row ended with the whole service before they had a result.
 constexpr std::uint32_t kMaxStartsWithoutResult = 3;
-
-void write_job_file(const std::filesystem::path& path, const replay::ReplayJob& job) {
-  std::ofstream file(path, std::ios::binary);
-  file << replay::to_json(job).dump();
-  file.close();
-  if (!file) throw std::runtime_error("can't write the job file (is the disk full?): " + path.string());
-}
 
 // The last line a dying process wrote says more than its exit code.
 std::string with_error_tail(std::string reason, const std::string& tail) {
@@ -137,7 +129,7 @@ void JobQueue::execute(const RunRecord& run, const std::stop_token& stop) {
     replay::ReplayJob job{folder_.capture(run.capture), job_folder / "out", folder_.cache(), run.options};
     job.options.skip = store_.stored_pairs(run.id);
     const std::filesystem::path job_file = job_folder / "job.json";
-    write_job_file(job_file, job);
+    write_file_atomically(job_file, replay::to_json(job).dump());
 
     WorkerSession session(store_, events_, run, job.out_dir, job.options.skip);
     std::stop_source either;

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <vector>
 
+#include "capture_format/atomic_file.hpp"
 #include "server/http_error.hpp"
 
 namespace subpixel::server {
@@ -32,13 +33,6 @@ bool same_bytes(const std::filesystem::path& a, const std::filesystem::path& b) 
       return false;
   }
   return first.eof() && second.eof();
-}
-
-void sync_folder(const std::filesystem::path& folder) {
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) fail(errno);
-  ::fsync(fd);
-  ::close(fd);
 }
 
 }  // namespace
@@ -92,7 +86,7 @@ Upload::Kept Upload::keep(const std::string& hash) {
   const std::filesystem::path target = folder_.capture(hash);
   // link, not rename: it fails when the name exists, so of two equal uploads at the same time one stores the file.
   if (::link(path_.c_str(), target.c_str()) == 0) {
-    sync_folder(folder_.captures());
+    if (const int error = sync_folder(folder_.captures()); error != 0) fail(error);
     return Kept::stored;
   }
   if (errno != EEXIST) fail(errno);

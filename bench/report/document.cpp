@@ -10,7 +10,7 @@
 #include <set>
 
 #include "bench/report/winners.hpp"
-#include "replay/measure/atomic_file.hpp"
+#include "capture_format/atomic_file.hpp"
 #include "replay/measure/plots.hpp"
 
 namespace subpixel::report {
@@ -243,8 +243,8 @@ Document make_document(const Measured& measured, const std::vector<Claim>& claim
 void write_document(const Document& document, const std::filesystem::path& file) {
   const std::filesystem::path folder = file.parent_path();
   std::filesystem::remove_all(folder / kImageFolder);
-  for (const auto& [path, svg] : document.images) replay::write_file_atomically(folder / path, std::string_view(svg));
-  replay::write_file_atomically(file, std::string_view(document.markdown));
+  for (const auto& [path, svg] : document.images) write_file_atomically(folder / path, std::string_view(svg));
+  write_file_atomically(file, std::string_view(document.markdown));
 }
 
 }  // namespace subpixel::report

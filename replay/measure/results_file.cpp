@@ -5,8 +5,8 @@
 #include <sstream>
 #include <system_error>
 
+#include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
-#include "replay/measure/atomic_file.hpp"
 
 namespace subpixel::replay {
 namespace {

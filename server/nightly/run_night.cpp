@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <set>
 
+#include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
 #include "capture_format/hash.hpp"
 #include "capture_format/writer.hpp"
-#include "replay/measure/atomic_file.hpp"
 #include "replay/measure/json_fields.hpp"
 #include "replay/measure/maps.hpp"
 #include "replay/measure/metrics.hpp"
@@ -44,7 +44,7 @@ std::string last_line(std::string_view text) {
 Replayed replay_in_worker(const replay::ReplayJob& job, const std::filesystem::path& job_file,
                           const NightOptions& options,
                           const std::function<void(const replay::FrameResult&)>& on_result) {
-  replay::write_file_atomically(job_file, std::string_view(replay::to_json(job).dump()));
+  write_file_atomically(job_file, std::string_view(replay::to_json(job).dump()));
   Replayed replayed;
   std::string error;
   bool done = false;

@@ -5,8 +5,8 @@
 
 #include <filesystem>
 
+#include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
-#include "replay/measure/atomic_file.hpp"
 #include "replay/measure/results_file.hpp"
 
 namespace subpixel::replay {

@@ -167,7 +167,7 @@ TEST_F(CaptureFile, IsWrittenWholeOrNotAtAll) {
   }
   ::setrlimit(RLIMIT_FSIZE, &old_limit);
   std::signal(SIGXFSZ, old_handler);
-  EXPECT_NE(message.find("can't write the capture: File too large: " + path.string()), std::string::npos) << message;
+  EXPECT_NE(message.find("can't write the file: File too large: " + path.string()), std::string::npos) << message;
   EXPECT_EQ(files_in_folder(), 1u);
   EXPECT_EQ(read_capture(path).metadata.title, "Small");
 }

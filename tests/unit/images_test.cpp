@@ -1,8 +1,6 @@
 #include "replay/measure/image.hpp"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -11,8 +9,8 @@
 #include <limits>
 #include <string>
 
+#include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
-#include "replay/measure/atomic_file.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -139,41 +137,6 @@ TEST_F(ImageFiles, WhatIsNotAnImageIsRefusedByName) {
   // libpng's jump out of OpenImageIO's reader loses a string there, which the leak check would hold against us.
   expect_cut_is_refused(encode_png(gradient(64, 64, 3, Encoding::display)), "cut.png");
 #endif
-}
-
-TEST_F(ImageFiles, AtomicWriteMakesFoldersAndReplaces) {
-  const fs::path path = folder_ / "a" / "b" / "file.json";
-  write_file_atomically(path, std::string_view("one"));
-  write_file_atomically(path, std::string_view("two"));
-  std::ifstream in(path);
-  std::string text;
-  in >> text;
-  EXPECT_EQ(text, "two");
-  EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1);
-}
-
-TEST_F(ImageFiles, AtomicWriteSaysWhyItFailed) {
-  write_file_atomically(folder_ / "file", std::string_view("x"));
-  try {
-    write_file_atomically(folder_ / "file" / "below", std::string_view("y"));
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_EQ(error.what(), "file: cannot write: Not a directory: " + (folder_ / "file" / "below").string());
-  }
-  if (!fs::exists("/dev/full")) return;
-  EXPECT_THROW(write_file_atomically("/dev/full/below", std::string_view("y")), InputError);
-}
-
-TEST_F(ImageFiles, AtomicWriteLeavesADeviceOrAPipeWhatItIs) {
-  const fs::path pipe = folder_ / "pipe";
-  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
-  write_file_atomically(pipe, std::string_view("through"));
-  char text[16] = {};
-  EXPECT_EQ(::read(reader, text, sizeof text), 7);
-  ::close(reader);
-  EXPECT_STREQ(text, "through");
-  EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
 }  // namespace
