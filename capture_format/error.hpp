@@ -1,4 +1,4 @@
-// The errors a caller can act on, one type for each exit code of the command line.
+// The errors a caller can act on; capture_format/failure.hpp has the exit code of each.
 #pragma once
 
 #include <stdexcept>
@@ -13,13 +13,13 @@ class Error : public std::runtime_error {
       : std::runtime_error(where.empty() ? what + ": " + why : what + ": " + why + ": " + where) {}
 };
 
-class UsageError : public Error {  // exit code 2: the request itself is wrong
+class UsageError : public Error {  // the request itself is wrong
   using Error::Error;
 };
-class InputError : public Error {  // exit code 3: a file or its content is wrong
+class InputError : public Error {  // a file or its content is wrong
   using Error::Error;
 };
-class DeviceError : public Error {  // exit code 4: the device can't do it
+class DeviceError : public Error {  // the device can't do it
   using Error::Error;
 };
 

@@ -1,28 +1,38 @@
 // `subpixel <verb>`: parses the command line, calls the library, turns its errors into exit codes.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <functional>
-#include <new>
 
-#include "capture_format/error.hpp"
+#include "capture_format/failure.hpp"
 #include "cli/capture_verbs.hpp"
 #include "cli/measure_verbs.hpp"
 #include "cli/nightly_verbs.hpp"
 #include "cli/replay_verbs.hpp"
 #include "cli/service_verbs.hpp"
+#include "server/sqlite.hpp"
 
 namespace {
 
-int report(const std::exception& error, int code) {
-  fmt::print(stderr, "subpixel: {}\n", error.what());
-  return code;
+// The store's own exception is not known where failure_of() lives.
+subpixel::Failure failure(const std::exception_ptr& exception) {
+  try {
+    std::rethrow_exception(exception);
+  } catch (const subpixel::server::SqliteError& error) {
+    if (!error.is_ours()) return {subpixel::kInputExit, fmt::format("store: {}", error.what())};
+  } catch (...) {
+    // Falls through.
+  }
+  return subpixel::failure_of(exception);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A write beyond a file-size limit is an error to report, as a full disk is.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{"Replays recorded frames through anti-aliased G-buffer techniques and measures them", "subpixel"};
   app.set_version_flag("--version", SUBPIXEL_VERSION);
   app.require_subcommand(1);
@@ -40,20 +50,13 @@ int main(int argc, char** argv) {
     const bool unknown_verb = argc > 1 && app.get_subcommands().empty() && argv[1][0] != '-';
     fmt::print(stderr, "subpixel: command line: {}\n",
                unknown_verb ? fmt::format("'{}' is not a verb; --help lists them", argv[1]) : error.what());
-    return 2;
+    return subpixel::kUsageExit;
   }
   try {
     return action();
-  } catch (const subpixel::UsageError& error) {
-    return report(error, 2);
-  } catch (const subpixel::InputError& error) {
-    return report(error, 3);
-  } catch (const subpixel::DeviceError& error) {
-    return report(error, 4);
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "subpixel: memory: there is not enough\n");
-    return 4;
-  } catch (const std::exception& error) {
-    return report(error, 3);
+  } catch (...) {
+    const subpixel::Failure end = failure(std::current_exception());
+    fmt::print(stderr, "subpixel: {}\n", end.message);
+    return end.exit_code;
   }
 }

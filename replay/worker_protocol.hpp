@@ -4,7 +4,8 @@
 //        {"type":"head","head":{ResultsHead}}                      once, before the first result, and again at the end
 //        {"type":"result","result":{FrameResult}}                  as each is measured; images are file names in
 //        `out_dir`
-//        {"type":"error","message":"what: why: where","exit":3}    then exits with that code
+//        {"type":"error","message":"what: why: where","exit":3}    then exits with that code;
+//        70 (capture_format/failure.hpp) is a mistake of ours, and the message asks for a report
 //        {"type":"done"}
 // Every file a line names is complete on disk before the line is written.
 #pragma once

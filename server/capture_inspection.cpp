@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "capture_format/error.hpp"
+#include "capture_format/failure.hpp"
 #include "replay/measure/json_fields.hpp"
 #include "server/http_error.hpp"
 #include "server/text.hpp"
@@ -54,9 +55,11 @@ CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOpt
                                          });
   if (outcome.kind == ChildOutcome::Kind::stopped)
     throw HttpError(503, "the capture is not stored", "the service is ending", "");
-  constexpr int kBadInput = 3;  // the command line's exit code for it
-  if (outcome.kind == ChildOutcome::Kind::exited && outcome.code == kBadInput) {
+  if (outcome.kind == ChildOutcome::Kind::exited && outcome.code == kInputExit) {
     throw HttpError(422, "the file is no valid capture", reader_message(outcome.error_tail, file), "body");
+  }
+  if (outcome.kind == ChildOutcome::Kind::exited && outcome.code == kInternalExit) {
+    throw HttpError(500, "the capture could not be inspected", reader_message(outcome.error_tail, file), "body");
   }
   if (!outcome.reason.empty()) {
     throw HttpError(422, "the capture could not be inspected", outcome.reason,

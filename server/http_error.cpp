@@ -42,13 +42,13 @@ HttpError http_error_from(const std::exception_ptr& exception) {
   } catch (const SqliteError& error) {
     spdlog::error("store: {}", error.what());
     if (error.disk_full()) return {507, "can't store this", "the disk is full", "data folder"};
-    return {500, "internal error", "the store failed", ""};
+    return {500, "internal error", "the store failed; see the service's log", ""};
   } catch (const std::exception& error) {
     spdlog::error("request: {}", error.what());
   } catch (...) {
     spdlog::error("request: unknown exception");
   }
-  return {500, "internal error", "see the service's log", ""};
+  return {500, "internal error", "please report it with what the service's log says", ""};
 }
 
 void write_json(httplib::Response& response, int status, const nlohmann::json& document) {

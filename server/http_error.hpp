@@ -28,7 +28,7 @@ class HttpError : public std::runtime_error {
 };
 
 // What to answer for an exception that left a handler: UsageError and InputError are the request's fault (400), a full
-// disk is 507, everything else 500.
+// disk is 507, everything else is ours: 500, which asks for a report.
 HttpError http_error_from(const std::exception_ptr& exception);
 
 void write_error(httplib::Response& response, const HttpError& error);

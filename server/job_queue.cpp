@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "capture_format/atomic_file.hpp"
+#include "capture_format/failure.hpp"
 #include "server/text.hpp"
 #include "server/worker_session.hpp"
 
@@ -143,8 +144,8 @@ void JobQueue::execute(const RunRecord& run, const std::stop_token& stop) {
   } catch (const SqliteError& error) {
     verdict.reason = error.disk_full() ? "the disk is full: results can't be stored"
                                        : fmt::format("results can't be stored: {}", error.what());
-  } catch (const std::exception& error) {
-    verdict.reason = error.what();
+  } catch (...) {
+    verdict.reason = failure_of(std::current_exception()).message;
   }
   std::error_code ignored;  // what stays is removed at the next start
   std::filesystem::remove_all(job_folder, ignored);

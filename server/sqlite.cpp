@@ -3,11 +3,29 @@
 #include <cmath>
 
 namespace subpixel::server {
+namespace {
+
+bool is_programming_error(int primary_code) {
+  switch (primary_code) {
+    case SQLITE_ERROR:
+    case SQLITE_INTERNAL:
+    case SQLITE_CONSTRAINT:
+    case SQLITE_MISMATCH:
+    case SQLITE_MISUSE:
+    case SQLITE_RANGE:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
 
 SqliteError::SqliteError(sqlite3* connection, int code)
     : std::runtime_error(connection != nullptr ? sqlite3_errmsg(connection) : sqlite3_errstr(code)),
       // A file-size limit or a full quota reports as an I/O error of a write, not as SQLITE_FULL.
-      disk_full_((code & 0xff) == SQLITE_FULL || code == SQLITE_IOERR_WRITE) {}
+      disk_full_((code & 0xff) == SQLITE_FULL || code == SQLITE_IOERR_WRITE),
+      is_ours_(is_programming_error(code & 0xff)) {}
 
 Connection::Connection(const std::filesystem::path& file) {
   sqlite3* opened = nullptr;

@@ -15,14 +15,16 @@
 
 namespace subpixel::server {
 
-// A failed SQLite call. `disk_full()` tells the one failure users can mend.
+// A failed SQLite call. `disk_full()` tells the one failure users can mend, `is_ours()` a statement that is wrong from
+// the file, the disk or another process that is in the way.
 class SqliteError : public std::runtime_error {
  public:
   SqliteError(sqlite3* connection, int code);
   bool disk_full() const { return disk_full_; }
+  bool is_ours() const { return is_ours_; }
 
  private:
-  bool disk_full_;
+  bool disk_full_, is_ours_;
 };
 
 class Connection {

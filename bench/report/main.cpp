@@ -11,6 +11,7 @@
 #include "bench/report/document.hpp"
 #include "bench/report/store.hpp"
 #include "capture_format/error.hpp"
+#include "capture_format/failure.hpp"
 
 namespace subpixel::report {
 namespace {
@@ -76,12 +77,10 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     report::run(arguments);
-  } catch (const UsageError& error) {
-    return fmt::print(stderr, "subpixel_bench_report: {}\n", error.what()), 2;
-  } catch (const InputError& error) {
-    return fmt::print(stderr, "subpixel_bench_report: {}\n", error.what()), 3;
-  } catch (const DeviceError& error) {
-    return fmt::print(stderr, "subpixel_bench_report: {}\n", error.what()), 4;
+  } catch (...) {
+    const Failure end = failure_of(std::current_exception());
+    fmt::print(stderr, "subpixel_bench_report: {}\n", end.message);
+    return end.exit_code;
   }
   return 0;
 }

@@ -7,6 +7,7 @@
 
 #include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
+#include "capture_format/failure.hpp"
 #include "capture_format/hash.hpp"
 #include "capture_format/writer.hpp"
 #include "replay/measure/json_fields.hpp"
@@ -159,8 +160,8 @@ void Night::plan() {
       planned.path = source.path;
       try {
         planned.capture.hash = capture::content_hash_hex(source.path);
-      } catch (const std::exception& error) {
-        planned.capture.problem = error.what();
+      } catch (...) {
+        planned.capture.problem = failure_of(std::current_exception()).message;
       }
       add_planned(std::move(planned));
     }
@@ -173,8 +174,8 @@ void Night::plan_scene(const CaptureSource& source, Planned planned) {
   try {
     capture::write_capture(capture::generate(source.scene, source.generate), planned.path);
     planned.capture.hash = capture::content_hash_hex(planned.path);
-  } catch (const std::exception& error) {
-    planned.capture.problem = error.what();
+  } catch (...) {
+    planned.capture.problem = failure_of(std::current_exception()).message;
   }
   add_planned(std::move(planned));
 }

@@ -105,6 +105,11 @@ TEST_F(Captures, FileThatCrashesTheReaderEndsOnlyTheReader) {
   EXPECT_EQ(client().get("/api/health").at("status"), "ok");
 }
 
+TEST_F(Captures, MistakeOfTheReadersIsNotTheFiles) {
+  const json error = error_of(client().upload(fake_capture({{"how", "info_internal"}})), 500);
+  EXPECT_NE(error.dump().find("please report it"), std::string::npos) << error;
+}
+
 TEST_F(Captures, EmptyFileIsRefused) {
   error_of(client().upload(""), 422);
 }

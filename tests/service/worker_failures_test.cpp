@@ -43,6 +43,7 @@ std::vector<Failure> failures() {
       {"kill", "signal 9"},
       {"exit", "exit code 4; its last words: the driver lost the device"},
       {"error", "feature shaderInt64"},
+      {"internal", "internal error: no such shader: please report it"},
       {"hang", "said nothing for 1500 ms"},
       {"chatter", "longer than 3 s"},
       {"garbage", "line 7 is no valid message"},

@@ -59,6 +59,10 @@ void misbehave(const std::string& how) {
     say({{"type", "error"}, {"message", "can't replay: the device lacks int64: feature shaderInt64"}, {"exit", 4}});
     ::_exit(4);
   }
+  if (how == "internal") {
+    say({{"type", "error"}, {"message", "internal error: no such shader: please report it"}, {"exit", 70}});
+    ::_exit(70);
+  }
   if (how == "garbage") std::cout << "\x01\xff not json at all" << std::endl;
   if (how == "long_line") std::cout << std::string(std::size_t{64} << 20, 'x') << std::endl;
   if (how == "quit") ::_exit(0);
@@ -194,6 +198,10 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
 int info(const std::string& path) {
   const json fake = read_fake_capture(path);
   if (fake.value("how", "") == "info_kill") ::raise(SIGKILL);
+  if (fake.value("how", "") == "info_internal") {
+    std::cerr << "subpixel: internal error: no such shader: please report it\n";
+    return 70;
+  }
   std::cout << json{{"title", fake.value("title", "A fake capture")},
                     {"frame_count", fake.value("frames", 2)},
                     {"width", fake.value("width", 64)},

@@ -1,0 +1,42 @@
+#include "capture_format/failure.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <new>
+#include <system_error>
+
+#include "capture_format/error.hpp"
+
+namespace subpixel {
+namespace {
+
+Failure internal(std::string why) {
+  std::replace(why.begin(), why.end(), '\n', ' ');
+  return {kInternalExit, "internal error: " + why + ": please report it"};
+}
+
+}  // namespace
+
+Failure failure_of(const std::exception_ptr& exception) {
+  try {
+    std::rethrow_exception(exception);
+  } catch (const UsageError& error) {
+    return {kUsageExit, error.what()};
+  } catch (const InputError& error) {
+    return {kInputExit, error.what()};
+  } catch (const DeviceError& error) {
+    return {kDeviceExit, error.what()};
+  } catch (const std::bad_alloc&) {
+    return {kDeviceExit, "memory: there is not enough"};
+  } catch (const std::filesystem::filesystem_error& error) {
+    return {kInputExit, InputError("file system", error.code().message(), error.path1().string()).what()};
+  } catch (const std::system_error& error) {
+    return {kInputExit, InputError("system", error.code().message(), "").what()};
+  } catch (const std::exception& error) {
+    return internal(error.what());
+  } catch (...) {
+    return internal("an exception without a description");
+  }
+}
+
+}  // namespace subpixel
