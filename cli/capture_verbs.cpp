@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -19,25 +18,10 @@
 #include "capture_format/summary.hpp"
 #include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
+#include "cli/option_values.hpp"
 
 namespace subpixel::cli {
 namespace {
-
-struct Size {
-  std::uint32_t width, height;
-};
-
-// "1280x720"; whether the sides are in range is for who uses them.
-Size parse_size(const std::string& text) {
-  const char* const end = text.data() + text.size();
-  Size size{};
-  auto [after_width, error] = std::from_chars(text.data(), end, size.width);
-  if (error == std::errc() && after_width != end && *after_width == 'x') {
-    const auto height = std::from_chars(after_width + 1, end, size.height);
-    if (height.ec == std::errc() && height.ptr == end) return size;
-  }
-  throw UsageError("wrong size", "expected WIDTHxHEIGHT in pixels, got " + text, "--size");
-}
 
 void write_and_report(const capture::Capture& made, const std::string& path) {
   capture::write_capture(made, path);
@@ -82,9 +66,9 @@ int generate(const GenerateArguments& arguments) {
   options.width = scene.width;
   options.height = scene.height;
   if (!arguments.size.empty()) {
-    const Size size = parse_size(arguments.size);
-    options.width = size.width;
-    options.height = size.height;
+    const auto [width, height] = parse_size(arguments.size);
+    options.width = width;
+    options.height = height;
   }
   write_and_report(capture::generate(arguments.scene, options), arguments.out);
   return 0;
@@ -115,9 +99,9 @@ int import(const ImportArguments& arguments) {
   options.camera = arguments.camera;
   options.frames = arguments.frames;
   if (!arguments.size.empty()) {
-    const Size size = parse_size(arguments.size);
-    options.width = size.width;
-    options.height = size.height;
+    const auto [width, height] = parse_size(arguments.size);
+    options.width = width;
+    options.height = height;
   }
   options.asset_folders.assign(arguments.assets.begin(), arguments.assets.end());
   options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };

@@ -1,18 +1,20 @@
 #include "cli/replay_verbs.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <sstream>
 
 #include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
+#include "capture_format/failure.hpp"
+#include "cli/option_values.hpp"
+#include "cli/progress_line.hpp"
 #include "replay/measure/plots.hpp"
 #include "replay/measure/results_file.hpp"
 #include "replay/replay.hpp"
@@ -23,59 +25,10 @@ namespace {
 
 using namespace subpixel::replay;
 
-std::uint32_t parse_number(std::string_view text, std::string_view what, const char* flag) {
-  std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size())
-    throw UsageError(std::string(what), fmt::format("'{}' is not a whole number", text), flag);
-  return value;
-}
-
-std::pair<std::uint32_t, std::uint32_t> parse_size(const std::string& text) {
-  const auto x = text.find('x');
-  if (x == std::string::npos) throw UsageError("size", fmt::format("'{}' is not WIDTHxHEIGHT", text), "--size");
-  const std::uint32_t width = parse_number(std::string_view(text).substr(0, x), "size", "--size");
-  const std::uint32_t height = parse_number(std::string_view(text).substr(x + 1), "size", "--size");
-  if (width == 0 || height == 0) throw UsageError("size", fmt::format("'{}' has no pixels", text), "--size");
-  return {width, height};
-}
-
-std::pair<std::uint32_t, std::uint32_t> parse_frames(const std::string& text) {
-  const auto dash = text.find('-');
-  const std::string_view view = text;
-  const std::uint32_t first = parse_number(view.substr(0, dash), "frames", "--frames");
-  return {first, dash == std::string::npos ? first : parse_number(view.substr(dash + 1), "frames", "--frames")};
-}
-
-// One line that is redrawn on a terminal, and a line for each stage's tenth in a log.
-class ProgressLine {
- public:
-  void update(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) {
-    const std::string label = stage + " " + detail;
-    if (terminal_) {
-      constexpr std::uint32_t kWidth = 30;
-      const std::uint32_t filled = total == 0 ? kWidth : done * kWidth / total;
-      fmt::print(stderr, "\r\033[K[{}{}] {}/{} {}", std::string(filled, '#'), std::string(kWidth - filled, '.'), done,
-                 total, label);
-      std::fflush(stderr);
-    } else if (label != last_) {
-      fmt::print(stderr, "{}: {} ({}/{})\n", stage, detail, done, total);
-    }
-    last_ = label;
-  }
-  ~ProgressLine() {
-    if (terminal_ && !last_.empty()) fmt::print(stderr, "\r\033[K");
-  }
-
- private:
-  const bool terminal_ = isatty(STDERR_FILENO) != 0;
-  std::string last_;
-};
-
 struct ReplayFlags {
   std::string file, techniques, frames, size, json_file, out = "out", cache;
   std::uint32_t samples = 8, repeat = 3, reference_samples = 512;
-  int point_lights = -1;
+  std::optional<std::uint32_t> point_lights;
 };
 
 // plot_COST_ERROR.svg for each cost and error, and the points behind them.
@@ -106,7 +59,7 @@ int replay(const ReplayFlags& flags) {
   if (!flags.size.empty()) std::tie(job.options.width, job.options.height) = parse_size(flags.size);
   job.options.repeat = flags.repeat;
   job.options.reference_samples = flags.reference_samples;
-  if (flags.point_lights >= 0) job.options.point_lights = static_cast<std::uint32_t>(flags.point_lights);
+  job.options.point_lights = flags.point_lights;
 
   Results results;
   {
@@ -134,10 +87,6 @@ void print_line(const nlohmann::json& message) {
 }
 
 int worker(const std::string& job_file) {
-  const auto fail = [](const std::string& message, int code) {
-    print_line({{"type", "error"}, {"message", message}, {"exit", code}});
-    return code;
-  };
   try {
     std::ifstream in(job_file, std::ios::binary);
     if (!in) throw InputError("worker job", "can't be read", job_file);
@@ -158,12 +107,10 @@ int worker(const std::string& job_file) {
     events.head = [](const ResultsHead& head) { print_line({{"type", "head"}, {"head", to_json(head)}}); };
     events.result = [](const FrameResult& result) { print_line({{"type", "result"}, {"result", to_json(result)}}); };
     run_replay(job, events);
-  } catch (const UsageError& error) {
-    return fail(error.what(), 2);
-  } catch (const InputError& error) {
-    return fail(error.what(), 3);
-  } catch (const DeviceError& error) {
-    return fail(error.what(), 4);
+  } catch (...) {
+    const Failure end = failure_of(std::current_exception());
+    print_line({{"type", "error"}, {"message", end.message}, {"exit", int{end.exit_code}}});
+    return end.exit_code;
   }
   print_line({{"type", "done"}});
   return 0;
@@ -207,17 +154,18 @@ void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
   run->add_option("file", flags->file, "The capture (.spcap)")->required();
   run->add_option("--techniques", flags->techniques, "a,b:param=v,...; see `subpixel techniques`")->required();
   run->add_option("--samples", flags->samples, "Samples per pixel of techniques that don't name theirs")
+      ->transform(within(kSamplesLimit))
       ->capture_default_str();
   run->add_option("--frames", flags->frames, "FIRST-LAST, from 0; all when absent");
   run->add_option("--size", flags->size, "WIDTHxHEIGHT; as recorded when absent");
   run->add_option("--repeat", flags->repeat, "Timed runs of every frame; medians are reported")
-      ->check(CLI::Range(1, 1000))
+      ->transform(within(kRepeatLimit))
       ->capture_default_str();
   run->add_option("--reference-samples", flags->reference_samples, "Visibility samples of the reference; 0: none")
-      ->check(CLI::Range(0, 4096))
+      ->transform(within(kReferenceSamplesLimit))
       ->capture_default_str();
   run->add_option("--lights", flags->point_lights, "Point lights: this many; as recorded when absent")
-      ->check(CLI::Range(0, 256));
+      ->transform(within(kPointLightsLimit));
   run->add_option("--out", flags->out, "Folder for images, maps and results.json")->capture_default_str();
   run->add_option("--json", flags->json_file,
                   "Results file (default OUT/results.json); - prints it instead of the table");

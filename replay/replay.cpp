@@ -14,6 +14,7 @@
 #include "capture_format/hash.hpp"
 #include "capture_format/reader.hpp"
 #include "replay/gpu/litmus.hpp"
+#include "replay/limits.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/host_clock.hpp"
 #include "replay/measure/maps.hpp"
@@ -39,16 +40,19 @@ struct PlannedTechnique {
   std::uint32_t samples = 1;
 };
 
-constexpr std::array<std::uint32_t, 7> kSampleCounts{1, 2, 4, 8, 16, 32, 64};
+// Every door checks before it gets here; this one is for callers of the library.
+void check_limits(const ReplayOptions& options) {
+  kSamplesLimit.require(options.samples);
+  kRepeatLimit.require(options.repeat);
+  kReferenceSamplesLimit.require(options.reference_samples);
+  if (options.width != 0) kWidthLimit.require(options.width);
+  if (options.height != 0) kHeightLimit.require(options.height);
+  if (options.point_lights) kPointLightsLimit.require(*options.point_lights);
+  kTechniquesLimit.require(options.techniques.size());
+}
 
 std::vector<PlannedTechnique> plan(const ReplayOptions& options) {
-  if (std::find(kSampleCounts.begin(), kSampleCounts.end(), options.samples) == kSampleCounts.end())
-    throw UsageError("samples", fmt::format("{} is not one of {}", options.samples, fmt::join(kSampleCounts, ", ")),
-                     "--samples");
-  if (options.repeat < 1 || options.repeat > 1000)
-    throw UsageError("repeat", fmt::format("{} is not within 1-1000", options.repeat), "--repeat");
-  if (options.reference_samples != 0) require_reference_samples(options.reference_samples);
-  if (options.techniques.empty()) throw UsageError("techniques", "none was given", "--techniques");
+  check_limits(options);
   std::vector<PlannedTechnique> planned;
   for (const TechniqueRequest& request : options.techniques) {
     const Technique& technique = find_technique(request.technique);
@@ -190,6 +194,7 @@ bool Replay::skipped(std::uint32_t frame, std::size_t which) const {
 
 Results Replay::run() {
   const auto [first, last] = frame_range(options_, capture_.frames.size());
+  kResultsLimit.require((std::uint64_t{last} - first + 1) * planned_.size());
   make_head();
   // Before the work that would be lost.
   if (!options_.point_lights)

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "replay/limits.hpp"
 #include "replay/techniques/technique.hpp"
 #include "server/embedded_files.hpp"
 #include "server/http_error.hpp"
@@ -131,6 +132,9 @@ void Api::route(HttpServer& http) {
   http.Get("/api/health", [this](const Request&, Response& response) { get_health(response); });
   http.Get("/api/techniques", [](const Request&, Response& response) {
     write_json(response, 200, {{"techniques", replay::registry_json()}});
+  });
+  http.Get("/api/limits", [](const Request&, Response& response) {
+    write_json(response, 200, {{"limits", replay::limits_json()}});
   });
   route_captures(http);
   route_runs(http);

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <bit>
-
 #include <algorithm>
 
 #include "capture_format/error.hpp"
@@ -50,23 +48,17 @@ void check_names(const replay::JsonField& object, std::initializer_list<std::str
   }
 }
 
-std::uint32_t ranged(const replay::JsonField& object, std::string_view name, Range range, std::uint32_t absent) {
-  if (!object.has(name) || object.member(name).raw().is_null()) return absent;
-  const replay::JsonField field = object.member(name);
+std::uint32_t limited(const replay::JsonField& object, const replay::Limit& limit, std::uint32_t absent) {
+  if (!object.has(limit.name) || object.member(limit.name).raw().is_null()) return absent;
+  const replay::JsonField field = object.member(limit.name);
   const json& value = field.raw();
   // The full 64 bits are compared: a value that wraps into the range is out of it.
   const bool whole = value.is_number_unsigned() || (value.is_number_integer() && value.get<std::int64_t>() >= 0);
-  const std::uint64_t number = whole ? value.get<std::uint64_t>() : 0;
-  if (!whole || number < range.minimum || number > range.maximum) {
-    field.fail(fmt::format("expected a whole number from {} to {}", range.minimum, range.maximum));
+  if (!whole || !limit.holds(value.get<std::uint64_t>())) {
+    const std::string given = value.dump(-1, ' ', false, json::error_handler_t::replace);
+    field.fail(limit.refusal(printable(given, 60)));
   }
-  return static_cast<std::uint32_t>(number);
-}
-
-std::uint32_t sample_count(const replay::JsonField& object, std::uint32_t absent) {
-  const std::uint32_t samples = ranged(object, "samples", {1, 64}, absent);
-  if (!std::has_single_bit(samples)) object.member("samples").fail("expected one of 1, 2, 4, 8, 16, 32, 64");
-  return samples;
+  return value.get<std::uint32_t>();
 }
 
 }  // namespace subpixel::server

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "replay/limits.hpp"
 #include "replay/measure/json_fields.hpp"
 
 namespace subpixel::server {
@@ -18,14 +19,7 @@ nlohmann::json parse_json_document(std::string_view text, const std::string& wha
 void check_names(const replay::JsonField& object, std::initializer_list<std::string_view> known,
                  const std::string& what, const std::string& where);
 
-struct Range {
-  std::uint32_t minimum, maximum;
-};
-
-// The member `name` of `object` as a whole number within `range`; `absent` when it is null or not there. Throws
-// InputError.
-std::uint32_t ranged(const replay::JsonField& object, std::string_view name, Range range, std::uint32_t absent);
-// The member "samples": a number of samples per pixel the front-end has a pattern of.
-std::uint32_t sample_count(const replay::JsonField& object, std::uint32_t absent);
+// The member of `object` that the limit is named after; `absent` when it is null or not there. Throws InputError.
+std::uint32_t limited(const replay::JsonField& object, const replay::Limit& limit, std::uint32_t absent);
 
 }  // namespace subpixel::server

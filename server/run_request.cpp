@@ -10,7 +10,6 @@
 #include "replay/techniques/technique.hpp"
 #include "server/json_document.hpp"
 #include "server/text.hpp"
-#include "shaders/include/shared_types.h"
 
 namespace subpixel::server {
 namespace {
@@ -19,11 +18,10 @@ using nlohmann::json;
 using replay::JsonField;
 
 constexpr std::string_view kWhat = "run request";
-constexpr std::size_t kMaxTechniques = 256;
-constexpr std::uint64_t kMaxResults = 100'000;
 
-constexpr Range kSize{1, 16384}, kRepeat{1, 100}, kReferenceSamples{0, 65536},
-    kPointLights{0, SUBPIXEL_MAX_POINT_LIGHTS};
+void require_technique_count(std::size_t count, const JsonField& list) {
+  if (!replay::kTechniquesLimit.holds(count)) list.fail(replay::kTechniquesLimit.refusal(std::to_string(count)));
+}
 
 replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t index, std::uint32_t samples) {
   check_names(entry, {"technique", "parameters"}, std::string(kWhat), fmt::format("techniques[{}]", index));
@@ -41,15 +39,15 @@ replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t ind
 
 // An entry is one technique, or a text in the command line's syntax, whose sweeps make it several.
 std::vector<replay::TechniqueRequest> parse_techniques(const JsonField& list, std::uint32_t samples) {
-  if (list.array_size() == 0) list.fail("expected at least one technique");
+  if (list.array_size() == 0) require_technique_count(0, list);
   std::vector<replay::TechniqueRequest> requests;
   const auto add = [&](replay::TechniqueRequest request, const JsonField& entry) {
     const bool twice = std::ranges::any_of(requests, [&](const replay::TechniqueRequest& other) {
       return other.technique == request.technique && other.parameters == request.parameters;
     });
     if (twice) entry.fail("the same technique with the same parameters is asked for twice");
-    if (requests.size() == kMaxTechniques) list.fail(fmt::format("more than {} techniques", kMaxTechniques));
     requests.push_back(std::move(request));
+    require_technique_count(requests.size(), list);
   };
   for (std::size_t i = 0; i < list.array_size(); ++i) {
     const JsonField entry = list.element(i);
@@ -88,17 +86,17 @@ RunRequest parse_run_request(std::string_view body) {
   RunRequest request;
   request.capture = top.member("capture").text();
   replay::ReplayOptions& options = request.options;
-  options.samples = sample_count(top, options.samples);
+  options.samples = limited(top, replay::kSamplesLimit, options.samples);
   options.techniques = parse_techniques(top.member("techniques"), options.samples);
-  options.width = ranged(top, "width", kSize, 0);
-  options.height = ranged(top, "height", kSize, 0);
+  options.width = limited(top, replay::kWidthLimit, 0);
+  options.height = limited(top, replay::kHeightLimit, 0);
   if ((options.width == 0) != (options.height == 0)) {
     throw InputError(std::string(kWhat), "width and height are given together or not at all", "width, height");
   }
-  options.repeat = ranged(top, "repeat", kRepeat, options.repeat);
-  options.reference_samples = ranged(top, "reference_samples", kReferenceSamples, options.reference_samples);
+  options.repeat = limited(top, replay::kRepeatLimit, options.repeat);
+  options.reference_samples = limited(top, replay::kReferenceSamplesLimit, options.reference_samples);
   if (top.has("point_lights") && !top.member("point_lights").raw().is_null()) {
-    options.point_lights = ranged(top, "point_lights", kPointLights, 0);
+    options.point_lights = limited(top, replay::kPointLightsLimit, 0);
   }
   if (top.has("frames") && !top.member("frames").raw().is_null()) {
     const JsonField frames = top.member("frames");
@@ -117,8 +115,8 @@ std::uint64_t resolve_frames(replay::ReplayOptions& options, std::uint32_t frame
                      fmt::format("expected first <= last <= {}, got [{}, {}]", frame_count - 1, first, last), "frames");
   }
   const std::uint64_t results = (std::uint64_t{last} - first + 1) * options.techniques.size();
-  if (results > kMaxResults) {
-    throw InputError(std::string(kWhat), fmt::format("{} results; a run has at most {}", results, kMaxResults),
+  if (!replay::kResultsLimit.holds(results)) {
+    throw InputError(std::string(kWhat), "results: " + replay::kResultsLimit.refusal(std::to_string(results)),
                      "frames, techniques");
   }
   return results;

@@ -45,6 +45,13 @@ export async function techniques() {
   return registry;
 }
 
+let limitTable = null;
+/** What a run can be asked for, by name: {low, high, multiple_of, values, unit, meaning}. Fetched once. */
+export async function limits() {
+  limitTable ??= Object.fromEntries((await get('/api/limits')).limits.map((limit) => [limit.name, limit]));
+  return limitTable;
+}
+
 export const blobUrl = (hash) => `/api/blobs/${hash}`;
 
 /**

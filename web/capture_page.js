@@ -1,5 +1,5 @@
 // One capture: what it is, its runs, and the form that starts a new one.
-import {get, post, remove, techniques} from './api.js';
+import {get, limits, post, remove, techniques} from './api.js';
 import {featureTags, thumbnail} from './captures_page.js';
 import {announce, field, h} from './dom.js';
 import {bytes, count, when} from './format.js';
@@ -7,8 +7,8 @@ import {runForm} from './run_form.js';
 import {runsTable} from './runs_page.js';
 
 export async function capturePage(hash) {
-  const [capture, registry, {runs}] = await Promise.all([
-    get(`/api/captures/${hash}`), techniques(), get(`/api/runs?capture=${hash}&limit=50`),
+  const [capture, registry, limitTable, {runs}] = await Promise.all([
+    get(`/api/captures/${hash}`), techniques(), limits(), get(`/api/runs?capture=${hash}&limit=50`),
   ]);
   const title = capture.title || capture.name;
   const deletion = h('button.danger', {type: 'button', onclick: async () => {
@@ -47,7 +47,7 @@ export async function capturePage(hash) {
         h('p.actions', {}, h('a.button', {href: `/api/captures/${hash}/file`, download: capture.name}, 'Download'), deletion),
         problem)),
     h('h2', {}, 'New run'),
-    capture.frame_count > 0 ? runForm(capture, registry) : h('p', {}, 'This capture has no frames.'),
+    capture.frame_count > 0 ? runForm(capture, registry, limitTable) : h('p', {}, 'This capture has no frames.'),
     h('h2', {}, 'Runs'),
     runs.length > 0 ? runsTable(runs, registry) : h('p.quiet', {}, 'None yet.'));
   return {title, element};

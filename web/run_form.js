@@ -95,22 +95,27 @@ function techniqueEntry(technique, runSamples) {
   };
 }
 
-function sampleCounts(registry) {
+/** A field for a whole number that the limit holds. */
+function numberInput(limit, properties) {
+  return h('input', {type: 'number', min: limit.low, max: limit.high, step: limit.multiple_of, ...properties});
+}
+
+function sampleCounts(registry, limit) {
   const allowed = registry.flatMap((technique) => technique.parameters)
     .filter((parameter) => parameter.name === 'samples' && parameter.allowed?.length !== 1)
-    .flatMap((parameter) => parameter.allowed ?? []);
+    .flatMap((parameter) => parameter.allowed ?? []).filter((count) => limit.values.includes(count));
   return allowed.length > 0 ? [...new Set(allowed)].sort((a, b) => a - b) : [4, 8, 16];
 }
 
-function sizeControl(capture) {
+function sizeControl(capture, limits) {
   const half = [Math.max(1, capture.width >> 1), Math.max(1, capture.height >> 1)];
   const select = h('select', {onchange: () => update()},
     h('option', {value: 'recorded'}, `as recorded (${capture.width}×${capture.height})`),
     h('option', {value: half.join('x')}, `half (${half.join('×')})`),
     ['640x360', '1280x720', '1920x1080'].map((size) => h('option', {value: size}, size.replace('x', '×'))),
     h('option', {value: 'own'}, 'other'));
-  const width = h('input', {type: 'number', min: 1, max: 16384, value: capture.width, required: true, 'aria-label': 'Width in pixels'});
-  const height = h('input', {type: 'number', min: 1, max: 16384, value: capture.height, required: true, 'aria-label': 'Height in pixels'});
+  const width = numberInput(limits.width, {value: capture.width, required: true, 'aria-label': 'Width in pixels'});
+  const height = numberInput(limits.height, {value: capture.height, required: true, 'aria-label': 'Height in pixels'});
   const own = h('span.own-size', {}, width, '×', height);
   function update() {
     own.hidden = select.value !== 'own';
@@ -127,18 +132,19 @@ function sizeControl(capture) {
   };
 }
 
-export function runForm(capture, registry) {
+export function runForm(capture, registry, limits) {
   const last = capture.frame_count - 1;
   const samples = h('select', {onchange: () => entries.forEach((entry) => entry.runSamplesChanged())},
-    sampleCounts(registry).map((value) => h('option', {value, selected: value === 8}, value)));
+    sampleCounts(registry, limits.samples).map((value) => h('option', {value, selected: value === 8}, value)));
   const entries = registry.map((technique) => techniqueEntry(technique, () => samples.value));
   const from = h('input', {type: 'number', min: 0, max: last, value: 0, required: true});
   const to = h('input', {type: 'number', min: 0, max: last, value: last, required: true});
-  const size = sizeControl(capture);
-  const repeat = h('input', {type: 'number', min: 1, max: 100, value: 3, required: true});
-  const reference = h('select', {}, [[512, '512'], [256, '256'], [64, '64 (quick look)'], [0, 'none: no error']]
+  const size = sizeControl(capture, limits);
+  const repeat = numberInput(limits.repeat, {value: 3, required: true});
+  const reference = h('select', {}, [[512, '512'], [limits.reference_samples.high, `${limits.reference_samples.high} (slow)`], [256, '256'],
+    [64, '64 (quick look)'], [0, 'none: no error']]
     .map(([value, label]) => h('option', {value}, label)));
-  const lights = h('input', {type: 'number', min: 0, max: 1024, placeholder: 'as recorded'});
+  const lights = numberInput(limits.point_lights, {placeholder: 'as recorded'});
   const text = h('input', {type: 'text', placeholder: 'streaming:surfaces=1..4,msaa:samples=4|16', spellcheck: 'false'});
   const problem = h('p.problem', {role: 'alert'});
   const start = h('button.primary', {type: 'submit'}, 'Start run');

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "capture_format/error.hpp"
+#include "replay/limits.hpp"
 #include "replay/reference/texture_table.hpp"
 #include "replay/reference/triangle_list.hpp"
 #include "replay/reference/turns.hpp"
@@ -93,16 +94,10 @@ gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scen
 
 }  // namespace
 
-void require_reference_samples(std::uint32_t samples) {
-  if (samples < 4 || samples > kMostReferenceSamples || samples % 4 != 0)
-    throw UsageError("reference samples",
-                     fmt::format("{} is not a multiple of 4 from 4 to {}", samples, kMostReferenceSamples),
-                     "--reference-samples");
-}
-
 ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
                                 const ReferenceProgress& progress) {
-  require_reference_samples(options.samples);
+  kReferenceSamplesLimit.require(options.samples);
+  if (options.samples == 0) throw UsageError("reference samples", "a reference of none was asked for", "samples");
   const auto width = static_cast<std::uint32_t>(scene.constants().viewport.x);
   const auto height = static_cast<std::uint32_t>(scene.constants().viewport.y);
   const std::uint64_t pixels = std::uint64_t{width} * height;

@@ -9,10 +9,10 @@
 
 namespace subpixel::replay {
 
-inline constexpr std::uint32_t kDefaultReferenceSamples = 512, kMostReferenceSamples = 4096;
+inline constexpr std::uint32_t kDefaultReferenceSamples = 512;
 
 struct ReferenceOptions {
-  std::uint32_t samples = kDefaultReferenceSamples;  // visibility samples a pixel: 4 to 4096, a multiple of 4
+  std::uint32_t samples = kDefaultReferenceSamples;  // visibility samples a pixel, by replay/limits.hpp, not 0
   std::uint32_t shading_model = 0;                   // 0 GGX, 1 Blinn-Phong: specialization constant 2
   bool tone_map_samples = false;  // the display image is the mean of tone-mapped samples, not the tone-mapped mean
 };
@@ -21,9 +21,6 @@ struct ReferenceImage {
   Image linear;   // 3 channels, mean radiance
   Image display;  // 3 channels, [0, 1]
 };
-
-// Throws UsageError unless `samples` is a count that ReferenceOptions allows.
-void require_reference_samples(std::uint32_t samples);
 
 // Called after each turn with turns done and turns in all (samples / 4). May throw to stop.
 using ReferenceProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;

@@ -9,6 +9,7 @@
 #include "capture_format/error.hpp"
 #include "capture_format/streams.hpp"
 #include "replay/gpu/material_sets.hpp"
+#include "replay/limits.hpp"
 #include "replay/scene/frame_points.hpp"
 #include "replay/scene/materials.hpp"
 #include "replay/scene/shadow_pass.hpp"
@@ -140,10 +141,7 @@ std::vector<capture::PointLight> GpuScene::Impl::lights_of(const capture::Frame&
 GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const SceneOptions& options)
     : device_(device), capture_(capture), impl_(std::make_unique<Impl>()) {
   impl_->options = options;
-  if (options.point_lights.value_or(0) > SUBPIXEL_MAX_POINT_LIGHTS)
-    throw UsageError("point lights",
-                     fmt::format("{} asked for, at most {}", *options.point_lights, SUBPIXEL_MAX_POINT_LIGHTS),
-                     "lights");
+  if (options.point_lights) kPointLightsLimit.require(*options.point_lights);
   const PointLights lights = !options.point_lights        ? PointLights::captured
                              : *options.point_lights == 0 ? PointLights::none
                                                           : PointLights::some;

@@ -11,7 +11,6 @@
 #include "server/json_document.hpp"
 #include "server/run_request.hpp"
 #include "server/text.hpp"
-#include "shaders/include/shared_types.h"
 
 namespace subpixel::server {
 namespace {
@@ -21,8 +20,10 @@ using replay::JsonField;
 
 const std::string kWhat = "nightly configuration";
 
-constexpr Range kSide{1, 16384}, kRepeat{1, 1000}, kReferenceSamples{0, 4096},
-    kPointLights{0, SUBPIXEL_MAX_POINT_LIGHTS}, kKeep{0, 1'000'000}, kConfirm{0, 10};
+// A replay's limits are replay/limits.hpp's; these are of the night itself.
+constexpr replay::Limit kKeepLimit{.name = "keep", .low = 0, .high = 1'000'000, .unit = "nights", .meaning = "kept"};
+constexpr replay::Limit kConfirmLimit{
+    .name = "confirm", .low = 0, .high = 10, .unit = "times", .meaning = "a slower cell is measured again"};
 constexpr std::size_t kMaxNameBytes = 100;
 
 constexpr std::string_view kMetrics[] = {"mse", "flip_mean", "flip_p99", "flip_max", "hdr_rel_mse", "flicker"};
@@ -58,17 +59,17 @@ bool flag(const JsonField& object, std::string_view name, bool absent) {
 
 Settings read_settings(const JsonField& object, const std::string& path, Settings settings) {
   replay::ReplayOptions& options = settings.options;
-  options.samples = sample_count(object, options.samples);
-  options.repeat = ranged(object, "repeat", kRepeat, options.repeat);
-  options.reference_samples = ranged(object, "reference_samples", kReferenceSamples, options.reference_samples);
-  if (object.has("point_lights")) options.point_lights = ranged(object, "point_lights", kPointLights, 0);
+  options.samples = limited(object, replay::kSamplesLimit, options.samples);
+  options.repeat = limited(object, replay::kRepeatLimit, options.repeat);
+  options.reference_samples = limited(object, replay::kReferenceSamplesLimit, options.reference_samples);
+  if (object.has("point_lights")) options.point_lights = limited(object, replay::kPointLightsLimit, 0);
   if (object.has("size")) {
     const JsonField size = object.member("size");
     if (size.array_size() != 2) size.fail("expected [width, height]");
     const json sides = {{"width", size.element(0).raw()}, {"height", size.element(1).raw()}};
     const JsonField named(sides, kWhat, path + "size");
-    options.width = ranged(named, "width", kSide, 0);
-    options.height = ranged(named, "height", kSide, 0);
+    options.width = limited(named, replay::kWidthLimit, 0);
+    options.height = limited(named, replay::kHeightLimit, 0);
   }
   if (object.has("frames")) {
     const JsonField frames = object.member("frames");
@@ -119,7 +120,9 @@ std::vector<replay::TechniqueRequest> resolve_techniques(const Settings& setting
       throw InputError(kWhat, error.what(), field);
     }
   }
-  if (requests.empty()) throw InputError(kWhat, "no technique is given", where + "techniques");
+  if (!replay::kTechniquesLimit.holds(requests.size())) {
+    throw InputError(kWhat, replay::kTechniquesLimit.refusal(std::to_string(requests.size())), where + "techniques");
+  }
   return requests;
 }
 
@@ -235,7 +238,7 @@ GateOptions read_gates(const JsonField& field) {
       check_names(time, {"slower", "minimum_ms", "confirm"}, kWhat, "gates.time");
       gates.time_slower = share(time, "slower", gates.time_slower);
       gates.time_minimum_ms = share(time, "minimum_ms", gates.time_minimum_ms);
-      gates.time_confirm = ranged(time, "confirm", kConfirm, gates.time_confirm);
+      gates.time_confirm = limited(time, kConfirmLimit, gates.time_confirm);
     }
   }
   return gates;
@@ -254,7 +257,7 @@ NightlyConfig parse_nightly_config(std::string_view text, const std::filesystem:
   config.name = name_from(top.member("name"));
   config.baseline = top.has("baseline") ? name_from(top.member("baseline")) : config.name;
   if (top.has("data")) config.data = folder / top.member("data").text();
-  config.keep = ranged(top, "keep", kKeep, 0);
+  config.keep = limited(top, kKeepLimit, 0);
   const Settings common = read_settings(top, "", {});
   const JsonField captures = top.member("captures");
   if (captures.array_size() == 0) captures.fail("expected at least one capture");

@@ -132,10 +132,12 @@ TEST_F(Runs, RequestsOutOfRangeAreNamedByField) {
   refused({{"width", 4294967297}, {"height", 10}}, "width");
   refused({{"width", "10"}, {"height", 10}}, "width");
   refused({{"repeat", 0}}, "repeat");
-  refused({{"repeat", 101}}, "1 to 100");
+  refused({{"repeat", 1001}}, "1 to 1000");
   refused({{"samples", 65}}, "samples");
   refused({{"samples", 7}}, "samples");
   refused({{"reference_samples", 1 << 20}}, "reference_samples");
+  refused({{"reference_samples", 4100}}, "0 or a multiple of 4 from 4 to 4096");
+  refused({{"reference_samples", 6}}, "6 is not 0 or a multiple of 4");
   refused({{"point_lights", 100'000}}, "point_lights");
   refused({{"frames", {0, 3}}}, "<= 2");
   refused({{"frames", {2, 1}}}, "frames");

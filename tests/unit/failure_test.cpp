@@ -38,7 +38,7 @@ TEST(FailureOf, TheSystemsErrorsAreNotOurMistakes) {
   const Failure memory = failure_when([] { throw std::bad_alloc(); });
   EXPECT_EQ(memory.exit_code, 4);
   EXPECT_EQ(memory.message, "memory: there is not enough");
-  const Failure file = failure_when([] { std::filesystem::file_size("/nonexistent/x"); });
+  const Failure file = failure_when([] { (void)std::filesystem::file_size("/nonexistent/x"); });
   EXPECT_EQ(file.exit_code, 3);
   EXPECT_EQ(file.message, "file system: No such file or directory: /nonexistent/x");
   const Failure thread =

@@ -75,7 +75,7 @@ TEST(Display, LinearIsClampedAndEncodedAndAlphaOnlyClamped) {
 TEST_F(ImageFiles, PngKeepsEveryByteOfEveryChannelCount) {
   for (const std::uint32_t channels : {1U, 3U, 4U}) {
     const Image image = gradient(37, 11, channels, Encoding::display);
-    const fs::path path = folder_ / ("c" + std::to_string(channels) + ".png");
+    const fs::path path = folder_ / (std::to_string(channels) + " channels.png");
     write_file_atomically(path, encode_png(image));
     const Image back = read_image(path);
     ASSERT_EQ(back.channels, channels);
