@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# From a clone to a page: installs packages, builds, replays the demo capture, prints its table and serves the viewer.
-#   ./run.sh              then open the address it prints; Ctrl-C ends it
-#   ./run.sh --no-serve   stops after the table
+# From a clone to a page: installs packages, builds, serves the viewer, replays the demo capture through it and prints
+# the table of its results.
+#   ./run.sh              the page can be looked at while the demo is measured; Ctrl-C ends it
+#   ./run.sh --no-serve   replays without the service and stops after the table
 # SUBPIXEL_LISTEN=HOST:PORT chooses the address, SUBPIXEL_MESA the Mesa (see scripts/install.sh).
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -17,12 +18,13 @@ listen=${SUBPIXEL_LISTEN:-127.0.0.1:8080}
 subpixel=build/release/subpixel
 scene=capture_format/import/scenes/park.json
 capture=demo/park.spcap
-results=demo/results/results.json
 # A size and a reference that two cores finish in minutes; the table's head states both.
 size=1280x720
 options=(--techniques "noaa,streaming,msaa" --samples 8 --reference-samples 64)
 
 step() { printf '\n== %s\n' "$*"; }
+# Whether the file $1 was made with this build, of this capture.
+is_recent() { [ -e "$1" ] && [ "$1" -nt "$capture" ] && [ "$1" -nt "$subpixel" ]; }
 
 step "1/4 packages"
 scripts/install.sh
@@ -41,34 +43,49 @@ else
   echo "$capture is there"
 fi
 
-step "4/4 replay"
-if [ -e "$results" ] && [ -e demo/results/table.txt ] && [ "$results" -nt "$capture" ] && [ "$results" -nt "$subpixel" ]
-then
-  cat demo/results/table.txt
-  printf '\nmeasured earlier; delete demo/results to measure again\n'
-else
-  rm -f "$results"
-  "$subpixel" replay "$capture" "${options[@]}" --out demo/results --json "$results" --cache demo/data/cache |
-    tee demo/table.part
-  mv demo/table.part demo/results/table.txt
+if [ "$serve" = no ]; then
+  step "4/4 replay"
+  table=demo/results/table.txt
+  if is_recent "$table"; then
+    cat "$table"
+    printf '\nmeasured earlier; delete demo/results to measure again\n'
+  else
+    rm -f "$table"
+    "$subpixel" replay "$capture" "${options[@]}" --out demo/results --cache demo/data/cache >demo/table.part
+    mv demo/table.part "$table"
+    cat "$table"
+  fi
+  exit 0
 fi
-[ "$serve" = yes ] || exit 0
 
-step "viewer"
-"$subpixel" serve --data demo/data --listen "$listen" &
+step "4/4 viewer and replay"
+mkdir -p demo/data
+"$subpixel" serve --data demo/data --listen "$listen" >demo/address &
 server=$!
-trap 'kill -TERM "$server" 2>/dev/null || true; wait "$server" 2>/dev/null || true; exit 0' INT TERM
-# The port that answers must be this server's: it has to be alive as well.
-for _ in $(seq 100); do
-  kill -0 "$server" 2>/dev/null || { wait "$server"; exit $?; }
-  (exec 3<>"/dev/tcp/${listen%:*}/${listen##*:}") 2>/dev/null && break
+end_service() {
+  kill -TERM "$server" 2>/dev/null || true
+  wait "$server" 2>/dev/null || true
+}
+trap end_service EXIT
+trap 'printf "\nended; what is measured is kept\n"; exit 130' INT TERM
+# Standard output of the service is its address and nothing else.
+for _ in $(seq 300); do
+  [ -s demo/address ] && break
+  kill -0 "$server" 2>/dev/null || { code=0; wait "$server" || code=$?; exit "$code"; }
   sleep 0.1
 done
-if [ ! -e demo/data/demo-submitted ]; then
-  # The run of the page repeats the one above; its references are in the shared cache already.
-  if "$subpixel" submit "$capture" --server "http://$listen" "${options[@]}"; then
-    touch demo/data/demo-submitted
-  fi
+address=$(sed -n 's/^listening on //p' demo/address)
+[ -n "$address" ] || { echo "subpixel: the service does not start: see its messages above" >&2; exit 1; }
+printf '\nThe viewer is at %s/ : results appear there as they are measured.\n\n' "$address"
+
+# A run of another build or capture is not taken for this one's; one that was broken off goes on where it was.
+submitted=demo/data/demo-submitted
+if ! is_recent "$submitted"; then
+  "$subpixel" submit "$capture" --server "$address" "${options[@]}"
+  touch "$submitted"
 fi
-printf '\nThe viewer is at http://%s/  (Ctrl-C ends it)\n' "$listen"
+"$subpixel" submit "$capture" --server "$address" "${options[@]}" --once --wait
+
+printf '\nThe viewer is at %s/  (Ctrl-C ends it)\n' "$address"
+trap 'exit 0' INT TERM
 wait "$server"

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "capture_format/error.hpp"
+#include "cli/option_values.hpp"
 #include "cli/submission.hpp"
 #include "server/service.hpp"
 
@@ -64,8 +65,6 @@ server::ServiceOptions service_options(const ServeArguments& arguments) {
 int serve(const ServeArguments& arguments) {
   // The log goes to standard error; standard output has the address and nothing else, for scripts.
   spdlog::set_default_logger(spdlog::stderr_color_mt("subpixel"));
-  // A write beyond a file-size limit must be an error to report, not the end of the service.
-  ::signal(SIGXFSZ, SIG_IGN);
   ::signal(SIGPIPE, SIG_IGN);
   // Blocked before any thread starts, so that only the waiting one below gets them.
   sigset_t endings;
@@ -126,12 +125,19 @@ void add_submit(CLI::App& app, std::function<int()>& action) {
   verb->add_option("file", submission->file, "Capture")->required()->check(CLI::ExistingFile);
   verb->add_option("--server", submission->server, "http://HOST:PORT")->required();
   verb->add_option("--techniques", submission->techniques, "a,b:param=v,...; without it the capture is only sent");
-  verb->add_option("--samples", submission->samples, "Samples per pixel of techniques that are not given their own");
+  verb->add_option("--samples", submission->samples, "Samples per pixel of techniques that are not given their own")
+      ->transform(within(replay::kSamplesLimit));
   verb->add_option("--frames", submission->frames, "FIRST-LAST or one frame; default: all");
   verb->add_option("--size", submission->size, "WxH; default: as recorded");
-  verb->add_option("--repeat", submission->repeat, "Timed repeats of each frame");
-  verb->add_option("--reference-samples", submission->reference_samples, "Samples of the reference; 0: no error");
-  verb->add_flag("--wait", submission->wait, "Wait for the run's end; exit code 3 when it fails");
+  verb->add_option("--repeat", submission->repeat, "Timed repeats of each frame")
+      ->transform(within(replay::kRepeatLimit));
+  verb->add_option("--reference-samples", submission->reference_samples, "Samples of the reference; 0: no error")
+      ->transform(within(replay::kReferenceSamplesLimit));
+  verb->add_option("--lights", submission->point_lights, "Point lights: this many; as recorded when absent")
+      ->transform(within(replay::kPointLightsLimit));
+  verb->add_flag("--wait", submission->wait, "Wait for the run's end and print its table; exit code 3 when it fails");
+  verb->add_flag("--once", submission->once,
+                 "Take the run with the same request that is there already, unless it failed");
   verb->callback([submission, &action] { action = [submission] { return submit(*submission); }; });
 }
 

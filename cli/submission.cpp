@@ -5,7 +5,6 @@
 #include <httplib.h>
 #include <unistd.h>
 
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -13,6 +12,10 @@
 #include <vector>
 
 #include "capture_format/error.hpp"
+#include "capture_format/hash.hpp"
+#include "cli/option_values.hpp"
+#include "cli/progress_line.hpp"
+#include "replay/results.hpp"
 #include "replay/techniques/parameters.hpp"
 
 namespace subpixel::cli {
@@ -22,36 +25,24 @@ using nlohmann::json;
 
 constexpr int kReconnects = 30;  // in a row without a word, 1 s apart: longer than a restart of the service takes
 
-// Two numbers with `separator` between them.
-std::pair<std::uint32_t, std::uint32_t> parse_pair(const std::string& text, char separator, bool one_is_both,
-                                                   const std::string& option) {
-  std::uint32_t first = 0, second = 0;
-  const char* const end = text.data() + text.size();
-  const auto head = std::from_chars(text.data(), end, first);
-  if (head.ec == std::errc() && head.ptr == end && one_is_both) return {first, first};
-  if (head.ec == std::errc() && head.ptr != end && *head.ptr == separator) {
-    const auto tail = std::from_chars(head.ptr + 1, end, second);
-    if (tail.ec == std::errc() && tail.ptr == end) return {first, second};
-  }
-  throw UsageError("can't submit", fmt::format("expected NUMBER{}NUMBER, got {}", separator, text), option);
-}
-
-json run_request(const Submission& submission, const std::string& capture) {
+// All but the capture.
+json run_request(const Submission& submission) {
   json techniques = json::array();
   for (const replay::TechniqueRequest& request : replay::parse_technique_list(submission.techniques)) {
     techniques.push_back({{"technique", request.technique}, {"parameters", json(request.parameters)}});
     if (request.parameters.empty()) techniques.back().erase("parameters");
   }
-  json body = {{"capture", capture}, {"techniques", techniques}};
+  json body = {{"techniques", techniques}};
   if (submission.samples) body["samples"] = *submission.samples;
   if (submission.repeat) body["repeat"] = *submission.repeat;
   if (submission.reference_samples) body["reference_samples"] = *submission.reference_samples;
+  if (submission.point_lights) body["point_lights"] = *submission.point_lights;
   if (!submission.frames.empty()) {
-    const auto [first, last] = parse_pair(submission.frames, '-', true, "--frames");
+    const auto [first, last] = parse_frames(submission.frames);
     body["frames"] = {first, last};
   }
   if (!submission.size.empty()) {
-    const auto [width, height] = parse_pair(submission.size, 'x', false, "--size");
+    const auto [width, height] = parse_size(submission.size);
     body["width"] = width;
     body["height"] = height;
   }
@@ -92,18 +83,19 @@ json send_capture(httplib::Client& client, const Submission& submission) {
   return answer(result, "can't send the capture", submission.server);
 }
 
-void print_status(const json& status) {
+void show(ProgressLine& line, const json& status) {
   const json progress = status.value("progress", json());
   const std::string detail =
       progress.is_object() ? progress.value("stage", "") + " " + progress.value("detail", "") : "";
-  fmt::print(stderr, "{}: {} of {} results {}\n", status.value("status", ""), status.value("stored_results", 0),
-             status.value("expected_results", 0), detail);
+  line.update(status.value("status", ""), status.value("stored_results", std::uint64_t{0}),
+              status.value("expected_results", std::uint64_t{0}), detail);
 }
 
 // Reads the event stream until its "end", across reconnections. Returns the run's last status.
 json follow(httplib::Client& client, const std::string& run_path) {
   std::string last_id, pending;
   json end;
+  ProgressLine progress;
   for (int attempt = 0; attempt < kReconnects && end.is_null(); ++attempt) {
     if (attempt > 0) std::this_thread::sleep_for(std::chrono::seconds(1));
     const httplib::Headers headers =
@@ -120,7 +112,7 @@ json follow(httplib::Client& client, const std::string& run_path) {
           if (line.starts_with("event: ")) event = line.substr(7);
           if (line.starts_with("data: ")) data = line.substr(6);
         }
-        if (event == "status") print_status(json::parse(data));
+        if (event == "status") show(progress, json::parse(data));
         if (event == "end") end = json::parse(data);
       }
       return end.is_null();
@@ -129,21 +121,32 @@ json follow(httplib::Client& client, const std::string& run_path) {
   return end;
 }
 
-}  // namespace
+// The capture's hash, once the service has it. One that it has already is not sent again.
+std::string hash_at_service(httplib::Client& client, const Submission& submission) {
+  const std::string hash = capture::content_hash_hex(std::filesystem::path(submission.file));
+  const httplib::Result known = client.Get("/api/captures/" + hash);
+  if (known && known->status == 200) return hash;
+  return send_capture(client, submission).at("hash").get<std::string>();
+}
 
-int submit(const Submission& submission) {
+int submit_to_service(const Submission& submission) {
   httplib::Client client(submission.server);
   if (!client.is_valid()) throw UsageError("can't submit", "expected http://HOST:PORT", "--server");
   client.set_read_timeout(std::chrono::minutes(6));  // a service reads a large capture before it answers
-  const json capture = send_capture(client, submission);
-  const std::string hash = capture.at("hash").get<std::string>();
+  json body;
+  if (!submission.techniques.empty())
+    body = run_request(submission);  // what is wrong with it is said before the upload
+  const std::string hash = hash_at_service(client, submission);
   fmt::print("capture {}\n", hash);
-  if (submission.techniques.empty()) return 0;
+  if (body.is_null()) return 0;
 
-  const std::string body = run_request(submission, hash).dump();
-  const json run = answer(client.Post("/api/runs", body, "application/json"), "can't start the run", submission.server);
+  body["capture"] = hash;
+  const std::string where = submission.once ? "/api/runs?once=1" : "/api/runs";
+  const json run =
+      answer(client.Post(where, body.dump(), "application/json"), "can't start the run", submission.server);
   const std::string path = fmt::format("/api/runs/{}", run.at("id").get<std::int64_t>());
   fmt::print("run {}/#/runs/{}\n", submission.server, run.at("id").get<std::int64_t>());
+  std::fflush(stdout);
   if (!submission.wait) return 0;
 
   const json end = follow(client, path);
@@ -152,8 +155,20 @@ int submit(const Submission& submission) {
     throw InputError("the run " + end.at("status").get<std::string>(), end.value("reason", ""),
                      submission.server + path);
   }
-  fmt::print("results {}{}/results.json\n", submission.server, path);
+  const json results = answer(client.Get(path + "/results.json"), "can't read the results", submission.server);
+  fmt::print("{}results {}{}/results.json\n", replay::to_table(replay::results_from_json(results)), submission.server,
+             path);
   return 0;
+}
+
+}  // namespace
+
+int submit(const Submission& submission) {
+  try {
+    return submit_to_service(submission);
+  } catch (const json::exception& error) {
+    throw InputError("the answer is not of this service's kind", error.what(), submission.server);
+  }
 }
 
 }  // namespace subpixel::cli

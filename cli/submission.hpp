@@ -11,11 +11,13 @@ struct Submission {
   std::string file, server;
   std::string techniques;  // of the command line's form; empty: only send the capture
   std::string frames, size;
-  std::optional<std::uint32_t> samples, repeat, reference_samples;
+  std::optional<std::uint32_t> samples, repeat, reference_samples, point_lights;
   bool wait = false;
+  bool once = false;  // an equal run of the service that has not failed or been cancelled will do
 };
 
-// Prints the capture's hash and the run's address; with `wait` also its progress, and the address of its results.
+// Prints the capture's hash and the run's address; with `wait` also its progress, the table of its
+// results as `subpixel replay` prints it, and their address.
 // Returns 0. Throws UsageError for what the service finds wrong with the request, InputError when it can't be reached,
 // does not take the capture, or the run fails.
 int submit(const Submission& submission);

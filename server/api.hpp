@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -45,6 +46,8 @@ class Api {
   // api_runs.cpp
   void route_runs(HttpServer& http);
   void post_run(const Request& request, Response& response, const httplib::ContentReader& read);
+  // The newest run with the same request that has not failed or been cancelled.
+  std::optional<RunRecord> equal_run(const std::string& capture, const replay::ReplayOptions& options) const;
   void list_runs(const Request& request, Response& response) const;
   void cancel_run(std::int64_t id, Response& response);
   void send_events(std::int64_t id, const Request& request, Response& response);

@@ -229,12 +229,37 @@ json Api::run_json(const RunRecord& run) const {
   return document;
 }
 
+std::optional<RunRecord> Api::equal_run(const std::string& capture, const replay::ReplayOptions& options) const {
+  const auto request_of = [](const replay::ReplayOptions& of) {
+    json request =
+        replay::to_json(replay::ReplayJob{.capture = {}, .out_dir = {}, .cache_dir = {}, .options = of}).at("options");
+    request.erase("skip");
+    return request;
+  };
+  const json wanted = request_of(options);
+  std::int64_t before = 0;
+  while (true) {
+    const std::vector<RunRecord> runs = store_.runs(kMaxListed, before, capture);
+    for (const RunRecord& run : runs) {
+      const bool ended_badly = run.status == RunStatus::failed || run.status == RunStatus::cancelled;
+      if (!ended_badly && request_of(run.options) == wanted) return run;
+    }
+    if (runs.size() < kMaxListed) return std::nullopt;
+    before = runs.back().id;
+  }
+}
+
 void Api::post_run(const Request& request, Response& response, const httplib::ContentReader& read) {
   const std::string body = read_json_body(request, read, "the run");
   RunRequest wanted = parse_run_request(body);
   const std::optional<CaptureRecord> capture = store_.capture(wanted.capture);
   if (!capture) throw HttpError(404, "there is no such capture", "none has this hash", "capture");
   const std::uint64_t expected = resolve_frames(wanted.options, capture->frame_count);
+  if (query_number(request, "once", 0, 1, 0) == 1) {
+    if (const std::optional<RunRecord> equal = equal_run(capture->hash, wanted.options)) {
+      return write_json(response, 200, run_json(*equal));
+    }
+  }
   const std::optional<std::int64_t> id = store_.add_run(RunKind::run, capture->hash, wanted.options, expected);
   if (!id) throw HttpError(404, "there is no such capture", "it was deleted meanwhile", "capture");
   queue_.notify();
