@@ -76,12 +76,12 @@ for _ in $(seq 300); do
 done
 address=$(sed -n 's/^listening on //p' demo/address)
 [ -n "$address" ] || { echo "subpixel: the service does not start: see its messages above" >&2; exit 1; }
-printf '\nThe viewer is at %s/ : results appear there as they are measured.\n\n' "$address"
+printf '\nThe viewer is at %s/  (results appear there as they are measured)\n\n' "$address"
 
 # A run of another build or capture is not taken for this one's; one that was broken off goes on where it was.
 submitted=demo/data/demo-submitted
 if ! is_recent "$submitted"; then
-  "$subpixel" submit "$capture" --server "$address" "${options[@]}"
+  "$subpixel" submit "$capture" --server "$address" "${options[@]}" >/dev/null
   touch "$submitted"
 fi
 "$subpixel" submit "$capture" --server "$address" "${options[@]}" --once --wait

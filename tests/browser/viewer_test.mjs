@@ -130,6 +130,15 @@ const tests = [
     await page.getByLabel('Last frame').fill('2');
   }],
 
+  ["the form's ranges are the service's", async () => {
+    const {limits} = await (await fetch(`${service.url}/api/limits`)).json();
+    for (const [label, name] of [['Repeats', 'repeat'], ['Point lights', 'point_lights'], ['Width in pixels', 'width']]) {
+      const limit = limits.find((entry) => entry.name === name);
+      const input = page.getByLabel(label);
+      assert.deepEqual([await input.getAttribute('min'), await input.getAttribute('max')], [`${limit.low}`, `${limit.high}`], label);
+    }
+  }],
+
   ['a run starts and its progress is live', async () => {
     await page.getByLabel('Samples per pixel').selectOption('4');
     await page.getByLabel('Reference samples').selectOption('64');
