@@ -108,20 +108,21 @@ std::optional<std::string> nightly(std::string_view name, std::uint64_t value) {
   return std::nullopt;
 }
 
-// Runs a verb of the binary whose input can't be had: exit code 3 says that the options were taken.
-std::optional<std::string> binary(const std::string& verb, std::string_view name, std::uint64_t value) {
-  static const std::map<std::string_view, std::string> kOptions{{"samples", "--samples "},
-                                                                {"width", "--size 8x"},
-                                                                {"height", "--size 8x"},
-                                                                {"repeat", "--repeat "},
-                                                                {"reference_samples", "--reference-samples "},
-                                                                {"point_lights", "--lights "}};
-  std::string arguments = verb + " --techniques '" + text_of_techniques(name, value) + "'";
-  if (name == "width") {
-    arguments += " --size " + std::to_string(value) + "x8";
-  } else if (name != "techniques") {
-    arguments += " " + kOptions.at(name) + std::to_string(value);
-  }
+// Neither has an input that can be had: exit code 3 says that the options were taken.
+const std::string kReplay = "replay /nonexistent.spcap";
+const std::string kSubmit = "submit '" SUBPIXEL_SOURCE_DIR "/LICENSE' --server http://127.0.0.1:1";
+
+// `value` of what the limit is named after as an option.
+std::string option(std::string_view name, std::uint64_t value) {
+  const std::string text = std::to_string(value);
+  if (name == "width") return " --size " + text + "x8";
+  if (name == "height") return " --size 8x" + text;
+  if (name == "point_lights") return " --lights " + text;
+  if (name == "reference_samples") return " --reference-samples " + text;
+  return " --" + std::string(name) + " " + text;
+}
+
+std::optional<std::string> binary(const std::string& arguments) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / ("limits_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
@@ -131,43 +132,74 @@ std::optional<std::string> binary(const std::string& verb, std::string_view name
   return finished.code == 2 ? std::optional(finished.error) : std::nullopt;
 }
 
-std::optional<std::string> command_line(std::string_view name, std::uint64_t value) {
-  return binary("replay /nonexistent.spcap", name, value);
+std::optional<std::string> command_line(const std::string& verb, std::string_view name, std::uint64_t value) {
+  const std::string options = name == "techniques" ? "" : option(name, value);
+  return binary(verb + options + " --techniques '" + text_of_techniques(name, value) + "'");
 }
 
-// The file is there, the service is not.
-std::optional<std::string> submit(std::string_view name, std::uint64_t value) {
-  return binary("submit '" SUBPIXEL_SOURCE_DIR "/LICENSE' --server http://127.0.0.1:1", name, value);
+// What lies just outside of a limit, next to its ends and between what is taken.
+std::set<std::uint64_t> outside(const Limit& limit) {
+  std::set<std::uint64_t> values{limit.high + 1};
+  if (limit.low > 0) values.insert(limit.low - 1);
+  if (limit.multiple_of > 1) values.insert({limit.high - 1, limit.multiple_of + 1, limit.high + limit.multiple_of});
+  if (limit.power_of_two) values.insert({limit.high - 1, 2 * limit.high});
+  return values;
 }
 
-class EveryLimit : public testing::TestWithParam<Limit> {};
+class EveryLimit : public testing::TestWithParam<Limit> {
+ protected:
+  static void expect_refusal(const std::optional<std::string>& why, std::uint64_t value) {
+    ASSERT_TRUE(why.has_value()) << value << " is taken";
+    EXPECT_NE(why->find(GetParam().refusal(std::to_string(value))), std::string::npos) << *why;
+  }
+};
 
 TEST_P(EveryLimit, HoldsAtEveryDoorWithTheSameWords) {
   const Limit& limit = GetParam();
-  if (limit.name == "results") GTEST_SKIP() << "needs the capture's frames: ResultsOfARun has it";
-  std::map<std::string, Door> doors{{"engine", engine}, {"http", http}, {"nightly", nightly}};
-  doors["command line"] = command_line;
-  doors["submit"] = submit;
-  std::set<std::uint64_t> outside{limit.high + 1};
-  if (limit.low > 0) outside.insert(limit.low - 1);
-  if (limit.multiple_of > 1) outside.insert({limit.high - 1, limit.multiple_of + 1, limit.high + limit.multiple_of});
-  if (limit.power_of_two) outside.insert({limit.high - 1, 2 * limit.high});
+  const std::map<std::string, Door> doors{{"engine", engine}, {"http", http}, {"nightly", nightly}};
   for (const auto& [name, door] : doors) {
-    SCOPED_TRACE(name + ", " + std::string(limit.name));
+    SCOPED_TRACE(name);
     for (const std::uint64_t value : {limit.low, limit.high}) {
       EXPECT_EQ(door(limit.name, value).value_or(""), "") << value;
     }
-    for (const std::uint64_t value : outside) {
+    for (const std::uint64_t value : outside(limit)) {
       if ((limit.name == "width" || limit.name == "height") && value == 0 && name == "engine") continue;  // as recorded
-      if (limit.name == "techniques" && (name == "submit" || (value == 0 && name == "command line"))) continue;
-      const std::optional<std::string> why = door(limit.name, value);
-      ASSERT_TRUE(why.has_value()) << value << " is taken";
-      EXPECT_NE(why->find(limit.refusal(std::to_string(value))), std::string::npos) << *why;
+      expect_refusal(door(limit.name, value), value);
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryLimit, testing::ValuesIn(limits().begin(), limits().end()),
+// The verbs that have it as an option. A list of techniques is counted by who gets it.
+TEST_P(EveryLimit, HoldsOnTheCommandLineWithTheSameWords) {
+  const Limit& limit = GetParam();
+  if (limit.name == "techniques") {
+    return expect_refusal(command_line(kReplay, limit.name, limit.high + 1), limit.high + 1);
+  }
+  for (const std::string& verb : {kReplay, kSubmit}) {
+    SCOPED_TRACE(verb);
+    expect_refusal(command_line(verb, limit.name, limit.high + 1), limit.high + 1);
+    if (limit.low > 0) expect_refusal(command_line(verb, limit.name, limit.low - 1), limit.low - 1);
+  }
+}
+
+TEST(CommandLine, TakesTheEndsOfAllLimits) {
+  for (const std::string& verb : {kReplay, kSubmit}) {
+    std::string low, high;
+    for (const Limit& limit : limits()) {
+      if (limit.name == "results" || limit.name == "techniques" || limit.name == "height") continue;
+      low += option(limit.name, limit.low);
+      high += option(limit.name, limit.high);
+    }
+    EXPECT_EQ(binary(verb + low + " --techniques noaa").value_or(""), "");
+    EXPECT_EQ(binary(verb + high + " --techniques '" + text_of_techniques("techniques", kTechniquesLimit.high) + "'")
+                  .value_or(""),
+              "");
+    EXPECT_EQ(command_line(verb, "height", kHeightLimit.high).value_or(""), "");
+  }
+}
+
+// But the last, of results, which needs the capture's frames: ResultsOfARun has it.
+INSTANTIATE_TEST_SUITE_P(All, EveryLimit, testing::ValuesIn(limits().first(limits().size() - 1)),
                          [](const auto& limit) { return std::string(limit.param.name); });
 
 TEST(ResultsOfARun, AreCountedWithTheCapturesFrames) {
