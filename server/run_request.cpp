@@ -20,7 +20,9 @@ using replay::JsonField;
 constexpr std::string_view kWhat = "run request";
 
 void require_technique_count(std::size_t count, const JsonField& list) {
-  if (!replay::kTechniquesLimit.holds(count)) list.fail(replay::kTechniquesLimit.refusal(std::to_string(count)));
+  if (replay::kTechniquesLimit.holds(count)) return;
+  const std::string refusal = replay::kTechniquesLimit.refusal(std::to_string(count));
+  list.fail(count == 0 ? "expected at least one technique: " + refusal : refusal);
 }
 
 replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t index, std::uint32_t samples) {

@@ -93,6 +93,8 @@ TEST(Resume, KilledServiceRepeatsNothingStoredAndLosesNothing) {
     // At different moments of a result's way into the store.
     std::this_thread::sleep_for(std::chrono::milliseconds(60 + 7 * kill));
     stored.merge(stored_results(client, run));
+    // A busy machine has no result yet by then, and three starts in a row without one end the run.
+    while (kill == 2 && stored.size() <= survived.size()) stored.merge(stored_results(client, run));
     service.end(SIGKILL);
     const std::vector<std::string> measured = lines_of(log);
     for (std::size_t i = measured_before; i < measured.size(); ++i) {
