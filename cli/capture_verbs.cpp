@@ -154,6 +154,11 @@ int info(const FileArguments& arguments) {
   }
   for (const auto& [key, value] : summary.items()) {
     if (key == "frames") continue;  // one line each in the JSON form
+    if (key == "notices") {
+      // Quoted and in ASCII: who made the capture must not write to the terminal.
+      for (const nlohmann::json& notice : value) fmt::print("{:<16} {}\n", "notice", notice.dump(-1, ' ', true));
+      continue;
+    }
     std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     if (key == "features") {
       text.clear();
