@@ -15,6 +15,8 @@
 #include "capture_format/generate/generate.hpp"
 #include "capture_format/hash.hpp"
 #include "capture_format/import/import.hpp"
+#include "capture_format/json_text.hpp"
+#include "capture_format/printable.hpp"
 #include "capture_format/reader.hpp"
 #include "capture_format/summary.hpp"
 #include "capture_format/validator.hpp"
@@ -43,7 +45,7 @@ void write_and_report(const capture::Capture& made, const std::string& path) {
   capture::write_capture(made, path);
   const nlohmann::json summary = capture::summarize(made, capture::content_hash_hex(std::filesystem::path(path)),
                                                     std::filesystem::file_size(path));
-  fmt::print("{}: {} frames, {} draws, {} triangles, {:.1f} MB, hash {}\n", path,
+  fmt::print("{}: {} frames, {} draws, {} triangles, {:.1f} MB, hash {}\n", printable(path),
              summary["frame_count"].get<std::uint64_t>(), summary["draws"].get<std::uint64_t>(),
              summary["triangles"].get<std::uint64_t>(), summary["file_bytes"].get<double>() * 1e-6,
              summary["hash"].get<std::string>());
@@ -120,7 +122,7 @@ int import(const ImportArguments& arguments) {
     options.height = size.height;
   }
   options.asset_folders.assign(arguments.assets.begin(), arguments.assets.end());
-  options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", printable(line)); };
   write_and_report(capture::import_file(arguments.in, options), arguments.out);
   return 0;
 }
@@ -149,22 +151,22 @@ int info(const FileArguments& arguments) {
   const nlohmann::json summary =
       capture::summarize(read, capture::content_hash_hex(path), std::filesystem::file_size(path));
   if (arguments.json) {
-    fmt::print("{}\n", summary.dump(2));
+    fmt::print("{}\n", json_text(summary, 2));
     return 0;
   }
   for (const auto& [key, value] : summary.items()) {
     if (key == "frames") continue;  // one line each in the JSON form
     if (key == "notices") {
-      // Quoted and in ASCII: who made the capture must not write to the terminal.
-      for (const nlohmann::json& notice : value) fmt::print("{:<16} {}\n", "notice", notice.dump(-1, ' ', true));
+      for (const nlohmann::json& notice : value)
+        fmt::print("{:<16} {}\n", "notice", printable(notice.get<std::string>()));
       continue;
     }
-    std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    std::string text = value.is_string() ? value.get<std::string>() : json_text(value);
     if (key == "features") {
       text.clear();
       for (const nlohmann::json& feature : value) text += (text.empty() ? "" : ", ") + feature.get<std::string>();
     }
-    fmt::print("{:<16} {}\n", key, text);
+    fmt::print("{:<16} {}\n", key, printable(text));
   }
   return 0;
 }
@@ -179,12 +181,12 @@ int validate(const FileArguments& arguments) {
     errors += is_error ? 1 : 0;
     const char* const severity = is_error ? "error" : "note";
     list.push_back({{"severity", severity}, {"why", problem.why}, {"where", problem.where}});
-    if (!arguments.json) fmt::print("{}: {}: {}\n", severity, problem.why, problem.where);
+    if (!arguments.json) fmt::print("{}: {}: {}\n", severity, printable(problem.why), printable(problem.where));
   }
   if (arguments.json) {
-    fmt::print("{}\n", nlohmann::json{{"errors", errors}, {"problems", list}}.dump(2));
+    fmt::print("{}\n", json_text({{"errors", errors}, {"problems", list}}, 2));
   } else {
-    fmt::print("{}: {} errors, {} notes\n", arguments.file, errors, problems.size() - errors);
+    fmt::print("{}: {} errors, {} notes\n", printable(arguments.file), errors, problems.size() - errors);
   }
   return errors == 0 ? 0 : 1;
 }

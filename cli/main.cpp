@@ -5,8 +5,10 @@
 #include <exception>
 #include <functional>
 #include <new>
+#include <string_view>
 
 #include "capture_format/error.hpp"
+#include "capture_format/printable.hpp"
 #include "cli/capture_verbs.hpp"
 #include "cli/measure_verbs.hpp"
 #include "cli/nightly_verbs.hpp"
@@ -15,9 +17,14 @@
 
 namespace {
 
-int report(const std::exception& error, int code) {
-  fmt::print(stderr, "subpixel: {}\n", error.what());
+// Names in messages are others': nothing of them may reach the terminal raw.
+int report(std::string_view message, int code) {
+  fmt::print(stderr, "subpixel: {}\n", subpixel::printable(message));
   return code;
+}
+
+int report(const std::exception& error, int code) {
+  return report(std::string_view(error.what()), code);
 }
 
 }  // namespace
@@ -38,9 +45,9 @@ int main(int argc, char** argv) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
     const bool unknown_verb = argc > 1 && app.get_subcommands().empty() && argv[1][0] != '-';
-    fmt::print(stderr, "subpixel: command line: {}\n",
-               unknown_verb ? fmt::format("'{}' is not a verb; --help lists them", argv[1]) : error.what());
-    return 2;
+    return report(unknown_verb ? fmt::format("command line: '{}' is not a verb; --help lists them", argv[1])
+                               : fmt::format("command line: {}", subpixel::joined_lines(error.what())),
+                  2);
   }
   try {
     return action();
@@ -51,8 +58,7 @@ int main(int argc, char** argv) {
   } catch (const subpixel::DeviceError& error) {
     return report(error, 4);
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "subpixel: memory: there is not enough\n");
-    return 4;
+    return report("memory: there is not enough", 4);
   } catch (const std::exception& error) {
     return report(error, 3);
   }

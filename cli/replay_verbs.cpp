@@ -12,6 +12,8 @@
 #include <sstream>
 
 #include "capture_format/error.hpp"
+#include "capture_format/json_text.hpp"
+#include "capture_format/printable.hpp"
 #include "replay/measure/atomic_file.hpp"
 #include "replay/measure/plots.hpp"
 #include "replay/measure/results_file.hpp"
@@ -51,7 +53,7 @@ std::pair<std::uint32_t, std::uint32_t> parse_frames(const std::string& text) {
 class ProgressLine {
  public:
   void update(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) {
-    const std::string label = stage + " " + detail;
+    const std::string label = printable(stage + " " + detail);
     if (terminal_) {
       constexpr std::uint32_t kWidth = 30;
       const std::uint32_t filled = total == 0 ? kWidth : done * kWidth / total;
@@ -59,7 +61,7 @@ class ProgressLine {
                  total, label);
       std::fflush(stderr);
     } else if (label != last_) {
-      fmt::print(stderr, "{}: {} ({}/{})\n", stage, detail, done, total);
+      fmt::print(stderr, "{}: {} ({}/{})\n", printable(stage), printable(detail), done, total);
     }
     last_ = label;
   }
@@ -119,18 +121,18 @@ int replay(const ReplayFlags& flags) {
   const std::filesystem::path json =
       flags.json_file.empty() ? job.out_dir / "results.json" : std::filesystem::path(flags.json_file);
   if (json == "-") {
-    std::cout << to_json(results).dump(2) << "\n";
+    std::cout << json_text(to_json(results), 2) << "\n";
     return 0;
   }
   write_results(json, results);
   write_plots(job.out_dir, results);
   std::cout << to_table(results);
-  fmt::print("images, maps, plots: {}   results: {}\n", job.out_dir.string(), json.string());
+  fmt::print("images, maps, plots: {}   results: {}\n", printable(job.out_dir.string()), printable(json.string()));
   return 0;
 }
 
 void print_line(const nlohmann::json& message) {
-  std::cout << message.dump() << std::endl;  // flushed: the reader acts on whole lines
+  std::cout << json_text(message) << std::endl;  // flushed: the reader acts on whole lines
 }
 
 int worker(const std::string& job_file) {
@@ -178,7 +180,7 @@ std::string parameter_range(const Parameter& p) {
 
 int list_techniques(bool json) {
   if (json) {
-    std::cout << registry_json().dump(2) << "\n";
+    std::cout << json_text(registry_json(), 2) << "\n";
     return 0;
   }
   for (const Technique* technique : techniques()) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "capture_format/error.hpp"
+#include "capture_format/printable.hpp"
 #include "replay/techniques/parameters.hpp"
 
 namespace subpixel::cli {
@@ -96,8 +97,8 @@ void print_status(const json& status) {
   const json progress = status.value("progress", json());
   const std::string detail =
       progress.is_object() ? progress.value("stage", "") + " " + progress.value("detail", "") : "";
-  fmt::print(stderr, "{}: {} of {} results {}\n", status.value("status", ""), status.value("stored_results", 0),
-             status.value("expected_results", 0), detail);
+  fmt::print(stderr, "{}: {} of {} results {}\n", printable(status.value("status", "")),
+             status.value("stored_results", 0), status.value("expected_results", 0), printable(detail));
 }
 
 // Reads the event stream until its "end", across reconnections. Returns the run's last status.
@@ -137,13 +138,13 @@ int submit(const Submission& submission) {
   client.set_read_timeout(std::chrono::minutes(6));  // a service reads a large capture before it answers
   const json capture = send_capture(client, submission);
   const std::string hash = capture.at("hash").get<std::string>();
-  fmt::print("capture {}\n", hash);
+  fmt::print("capture {}\n", printable(hash));
   if (submission.techniques.empty()) return 0;
 
   const std::string body = run_request(submission, hash).dump();
   const json run = answer(client.Post("/api/runs", body, "application/json"), "can't start the run", submission.server);
   const std::string path = fmt::format("/api/runs/{}", run.at("id").get<std::int64_t>());
-  fmt::print("run {}/#/runs/{}\n", submission.server, run.at("id").get<std::int64_t>());
+  fmt::print("run {}/#/runs/{}\n", printable(submission.server), run.at("id").get<std::int64_t>());
   if (!submission.wait) return 0;
 
   const json end = follow(client, path);
@@ -152,7 +153,7 @@ int submit(const Submission& submission) {
     throw InputError("the run " + end.at("status").get<std::string>(), end.value("reason", ""),
                      submission.server + path);
   }
-  fmt::print("results {}{}/results.json\n", submission.server, path);
+  fmt::print("results {}{}/results.json\n", printable(submission.server), path);
   return 0;
 }
 

@@ -6,12 +6,12 @@
 
 #include <memory>
 
+#include "capture_format/printable.hpp"
 #include "server/api.hpp"
 #include "server/capture_inspection.hpp"
 #include "server/http_error.hpp"
 #include "server/json_document.hpp"
 #include "server/run_request.hpp"
-#include "server/text.hpp"
 #include "server/upload.hpp"
 
 namespace subpixel::server {

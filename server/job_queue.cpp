@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "server/text.hpp"
+#include "capture_format/printable.hpp"
 #include "server/worker_session.hpp"
 
 namespace subpixel::server {
