@@ -10,6 +10,7 @@
 #include "capture_format/printable.hpp"
 #include "capture_format/writer.hpp"
 #include "replay/measure/atomic_file.hpp"
+#include "replay/measure/image_file.hpp"
 #include "replay/measure/json_fields.hpp"
 #include "replay/measure/maps.hpp"
 #include "replay/measure/metrics.hpp"

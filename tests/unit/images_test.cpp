@@ -1,4 +1,4 @@
-#include "replay/measure/image.hpp"
+#include "replay/measure/image_file.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
