@@ -52,7 +52,7 @@ std::vector<glm::vec4> shade_on_device(const capture::Capture& capture, const st
   pass.shader = "tests/shade_probe.comp";
   pass.constants = {{1, scene.features().bits}, {2, static_cast<std::uint32_t>(model)}};
   pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, in), gpu::writes(1, out),
-                   gpu::samples(7, scene.shadow_map, &scene.shadow_sampler)};
+                   gpu::reads(8, scene.spot_cones), gpu::samples(7, scene.shadow_map, &scene.shadow_sampler)};
   const auto count = static_cast<std::uint32_t>(probes.size());
   pass.push = gpu::PushConstants(count);
   pass.groups = {(count + 63) / 64, 1, 1};
