@@ -115,8 +115,13 @@ TEST(SceneCones, LightTheirInsideAndFadeToTheirEdge) {
           factor += factor_at(glm::dvec2(sample_place(turns[turn], turn & 3))) / static_cast<double>(turns.size());
         const double lit = everywhere[i].radiance[pixel].g;
         ASSERT_GT(lit, 0);
-        // What varies over a pixel besides is left out of the reference's mean.
-        ASSERT_NEAR(inside[i].radiance[pixel].g / lit, factor, inside[i].reference() ? 0.01 : 5e-3)
+        // The reference's mean leaves out what varies over a pixel besides. Techniques that light samples at their own
+        // depths have a mean of their own, which differs where the cone's edge bends.
+        double bend = 0;
+        for (const glm::dvec2& place :
+             {glm::dvec2(0.1, 0.1), glm::dvec2(0.9, 0.1), glm::dvec2(0.1, 0.9), glm::dvec2(0.9)})
+          bend += std::abs(factor_at(place) + factor_at(1.0 - place) - 2 * factor_at({0.5, 0.5})) / 8;
+        ASSERT_NEAR(inside[i].radiance[pixel].g / lit, factor, inside[i].reference() ? 0.01 : 0.01 + 2 * bend)
             << inside[i].name << ", pixel " << pixel;
       }
       EXPECT_GT(std::min({full, dark, between}), 20u);
