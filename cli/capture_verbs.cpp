@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -14,42 +13,17 @@
 #include "capture_format/error.hpp"
 #include "capture_format/generate/generate.hpp"
 #include "capture_format/hash.hpp"
-#include "capture_format/import/import.hpp"
 #include "capture_format/json_text.hpp"
 #include "capture_format/printable.hpp"
 #include "capture_format/reader.hpp"
 #include "capture_format/summary.hpp"
 #include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
+#include "cli/frame_size.hpp"
+#include "cli/written_summary.hpp"
 
 namespace subpixel::cli {
 namespace {
-
-struct Size {
-  std::uint32_t width, height;
-};
-
-// "1280x720"; whether the sides are in range is for who uses them.
-Size parse_size(const std::string& text) {
-  const char* const end = text.data() + text.size();
-  Size size{};
-  auto [after_width, error] = std::from_chars(text.data(), end, size.width);
-  if (error == std::errc() && after_width != end && *after_width == 'x') {
-    const auto height = std::from_chars(after_width + 1, end, size.height);
-    if (height.ec == std::errc() && height.ptr == end) return size;
-  }
-  throw UsageError("wrong size", "expected WIDTHxHEIGHT in pixels, got " + text, "--size");
-}
-
-void write_and_report(const capture::Capture& made, const std::string& path) {
-  capture::write_capture(made, path);
-  const nlohmann::json summary = capture::summarize(made, capture::content_hash_hex(std::filesystem::path(path)),
-                                                    std::filesystem::file_size(path));
-  fmt::print("{}: {} frames, {} draws, {} triangles, {:.1f} MB, hash {}\n", printable(path),
-             summary["frame_count"].get<std::uint64_t>(), summary["draws"].get<std::uint64_t>(),
-             summary["triangles"].get<std::uint64_t>(), summary["file_bytes"].get<double>() * 1e-6,
-             summary["hash"].get<std::string>());
-}
 
 struct GenerateArguments {
   std::string scene, out, size;
@@ -84,11 +58,13 @@ int generate(const GenerateArguments& arguments) {
   options.width = scene.width;
   options.height = scene.height;
   if (!arguments.size.empty()) {
-    const Size size = parse_size(arguments.size);
+    const FrameSize size = parse_frame_size(arguments.size);
     options.width = size.width;
     options.height = size.height;
   }
-  write_and_report(capture::generate(arguments.scene, options), arguments.out);
+  const capture::Capture made = capture::generate(arguments.scene, options);
+  capture::write_capture(made, arguments.out);
+  fmt::print("{}: {}\n", arguments.out, written_summary(made, arguments.out));
   return 0;
 }
 
@@ -104,40 +80,6 @@ void add_generate(CLI::App& app, std::function<int()>& action) {
   verb->add_option("--density", arguments->options.density, "Factor on the number of blades, leaves, fibres, ...")
       ->capture_default_str();
   verb->callback([arguments, &action] { action = [arguments] { return generate(*arguments); }; });
-}
-
-struct ImportArguments {
-  std::string in, out, camera, size;
-  std::vector<std::string> assets;
-  std::optional<std::uint32_t> frames;
-};
-
-int import(const ImportArguments& arguments) {
-  capture::ImportOptions options;
-  options.camera = arguments.camera;
-  options.frames = arguments.frames;
-  if (!arguments.size.empty()) {
-    const Size size = parse_size(arguments.size);
-    options.width = size.width;
-    options.height = size.height;
-  }
-  options.asset_folders.assign(arguments.assets.begin(), arguments.assets.end());
-  options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", printable(line)); };
-  write_and_report(capture::import_file(arguments.in, options), arguments.out);
-  return 0;
-}
-
-void add_import(CLI::App& app, std::function<int()>& action) {
-  const auto arguments = std::make_shared<ImportArguments>();
-  CLI::App* const verb = app.add_subcommand(
-      "import", "Make a capture of a model file (glTF, GLB, OBJ, ...) or a scene description (.json)");
-  verb->add_option("in", arguments->in, "Model or scene description")->required();
-  verb->add_option("out", arguments->out, "Capture to write")->required();
-  verb->add_option("--camera", arguments->camera, "Camera file, or 'orbit'; default: the file's own camera");
-  verb->add_option("--frames", arguments->frames, "Frames; default: what the description says, else 10");
-  verb->add_option("--size", arguments->size, "WxH in pixels; default: what the description says, else 1280x720");
-  verb->add_option("--assets", arguments->assets, "Folder to look for archives and models in; may be repeated");
-  verb->callback([arguments, &action] { action = [arguments] { return import(*arguments); }; });
 }
 
 struct FileArguments {
@@ -204,7 +146,6 @@ void add_file_verb(CLI::App& app, std::function<int()>& action, const char* name
 
 void add_capture_verbs(CLI::App& app, std::function<int()>& action) {
   add_generate(app, action);
-  add_import(app, action);
   add_file_verb(app, action, "info", "Say what a capture holds", &info);
   add_file_verb(app, action, "validate", "Look for mistakes in a capture; exit code 1 when there are errors",
                 &validate);

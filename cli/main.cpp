@@ -10,6 +10,7 @@
 #include "capture_format/error.hpp"
 #include "capture_format/printable.hpp"
 #include "cli/capture_verbs.hpp"
+#include "cli/import_verbs.hpp"
 #include "cli/measure_verbs.hpp"
 #include "cli/nightly_verbs.hpp"
 #include "cli/replay_verbs.hpp"
@@ -35,6 +36,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   std::function<int()> action;
   subpixel::cli::add_capture_verbs(app, action);
+  subpixel::cli::add_import_verbs(app, action);
   subpixel::cli::add_replay_verbs(app, action);
   subpixel::cli::add_measure_verbs(app, action);
   subpixel::cli::add_service_verbs(app, action);
