@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "replay/measure/flip.hpp"
+#include "replay/measure/image_file.hpp"
 #include "replay/replay.hpp"
 
 namespace subpixel::replay {

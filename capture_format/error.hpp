@@ -23,4 +23,9 @@ class DeviceError : public Error {  // the device can't do it
   using Error::Error;
 };
 
+// A mistake of ours that another process of ours reports; what is thrown in this one is of the standard's types.
+class InternalError : public Error {
+  using Error::Error;
+};
+
 }  // namespace subpixel

@@ -1,18 +1,18 @@
 #include "capture_format/failure.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <new>
+#include <string_view>
 #include <system_error>
 
 #include "capture_format/error.hpp"
+#include "capture_format/printable.hpp"
 
 namespace subpixel {
 namespace {
 
-Failure internal(std::string why) {
-  std::replace(why.begin(), why.end(), '\n', ' ');
-  return {kInternalExit, "internal error: " + why + ": please report it"};
+Failure internal(std::string_view why) {
+  return {kInternalExit, "internal error: " + joined_lines(why) + ": please report it"};
 }
 
 }  // namespace
@@ -26,6 +26,8 @@ Failure failure_of(const std::exception_ptr& exception) {
     return {kInputExit, error.what()};
   } catch (const DeviceError& error) {
     return {kDeviceExit, error.what()};
+  } catch (const InternalError& error) {
+    return {kInternalExit, error.what()};
   } catch (const std::bad_alloc&) {
     return {kDeviceExit, "memory: there is not enough"};
   } catch (const std::filesystem::filesystem_error& error) {

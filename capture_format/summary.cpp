@@ -4,6 +4,7 @@
 #include <set>
 
 #include "capture_format/streams.hpp"
+#include "capture_format/texture_reads.hpp"
 
 namespace subpixel::capture {
 namespace {
@@ -27,15 +28,28 @@ std::vector<std::string> used_features(const Capture& capture) {
   std::set<std::uint32_t> used;
   bool has_instances = false;
   bool has_shadows = false;
+  bool has_spots = false;
+  bool has_colours = false;
+  bool has_uv2 = false;
   for (const Frame& frame : capture.frames) {
     has_shadows = has_shadows || (frame.sun && frame.sun->shadows);
+    has_spots = has_spots || std::any_of(frame.point_lights.begin(), frame.point_lights.end(),
+                                         [](const PointLight& light) { return light.cone.has_value(); });
     for (const Draw& draw : frame.draws) {
       used.insert(draw.material);
       has_instances = has_instances || draw.instance_count > 1;
+      has_colours = has_colours || draw.colour.buffer != kNone;
+      has_uv2 = has_uv2 || (draw.uv2.buffer != kNone && reads_uv_set(capture.materials[draw.material], 1));
     }
   }
   const auto any = [&](auto predicate) {
     return std::any_of(used.begin(), used.end(), [&](std::uint32_t i) { return predicate(capture.materials[i]); });
+  };
+  const auto any_read = [&](auto predicate) {
+    return any([&](const Material& m) {
+      const std::vector<TextureRead> reads = texture_reads(m);
+      return std::any_of(reads.begin(), reads.end(), predicate);
+    });
   };
   std::vector<std::string> features;
   const auto add = [&](const char* name, bool is_used) {
@@ -52,6 +66,13 @@ std::vector<std::string> used_features(const Capture& capture) {
   add("blending", any([](const Material& m) { return m.alpha_mode == AlphaMode::blend; }));
   add("instancing", has_instances);
   add("shadows", has_shadows);
+  add("spot lights", has_spots);
+  add("vertex colours", has_colours);
+  add("second UV set", has_uv2);
+  add("texture transforms", any_read([](const TextureRead& read) { return read.uv->matrix != UvMapping{}.matrix; }));
+  add("samplers",
+      any_read([&](const TextureRead& read) { return capture.textures[read.texture].sampler != Sampler{}; }));
+  add("unlit", any([](const Material& m) { return m.unlit; }));
   return features;
 }
 
@@ -77,6 +98,7 @@ nlohmann::json summarize(const Capture& capture, const std::string& hash, std::u
           {"tool", capture.metadata.tool},
           {"licence", capture.metadata.licence},
           {"metres_per_unit", capture.metadata.metres_per_unit},
+          {"notices", capture.metadata.notices},
           {"hash", hash},
           {"file_bytes", file_bytes},
           {"frame_count", capture.frames.size()},

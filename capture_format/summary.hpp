@@ -11,10 +11,12 @@
 namespace subpixel::capture {
 
 // What of shading and geometry the capture uses, in words: "textures", "alpha test", "normal maps", "emissive",
-// "metal", "two-sided", "blending", "instancing", "shadows". Only materials that some draw uses count.
+// "metal", "two-sided", "blending", "instancing", "shadows", "spot lights", "vertex colours", "second UV set",
+// "texture transforms", "samplers" (others than repeat and linear), "unlit". Only materials that some draw uses count.
 std::vector<std::string> used_features(const Capture& capture);
 
-// {title, application, tool, licence, metres_per_unit, hash, file_bytes, frame_count, width, height, triangles, draws,
+// {title, application, tool, licence, metres_per_unit, notices: [...], hash, file_bytes, frame_count, width, height,
+// triangles, draws,
 //  point_lights, buffers: {count, bytes}, textures: {count, bytes}, materials, features: [...],
 //  frames: [{name, time_s, width, height, draws, triangles, point_lights}]}
 // width and height are the first frame's; triangles, draws and point_lights those of the frame that has most of each.

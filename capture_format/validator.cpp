@@ -1,16 +1,19 @@
 #include "capture_format/validator.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "capture_format/checks.hpp"
 #include "capture_format/limits.hpp"
 #include "capture_format/streams.hpp"
+#include "capture_format/texture_reads.hpp"
 
 namespace subpixel::capture {
 namespace {
@@ -63,7 +66,14 @@ class Validation {
       check_texture(capture_.textures[i], errors_in("texture " + std::to_string(i)));
     }
     for (std::size_t i = 0; i < capture_.materials.size(); ++i) {
-      check_material(capture_.materials[i], capture_.textures.size(), errors_in("material " + std::to_string(i)));
+      const std::string part = "material " + std::to_string(i);
+      check_material(capture_.materials[i], capture_.textures.size(), errors_in(part));
+      for (const TextureRead& read : texture_reads(capture_.materials[i])) {
+        const std::array<float, 6>& m = read.uv->matrix;
+        if (double{m[0]} * m[4] == double{m[1]} * m[3]) {
+          note(part + ", field " + read.name + ".matrix", "singular: the texture is read along a line");
+        }
+      }
     }
   }
 
@@ -97,6 +107,7 @@ class Validation {
     if (!is_finite(draw.transform)) error(part + ", field transform", "not finite");
     if (triangle_count(draw) == 0) note(part, "no triangles");
     check_instances(draw, part);
+    note_uv_sets(draw, part);
     note_stream(
         draw, draw.position, part + ", field position",
         [](const float* v) { return !(std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2])); },
@@ -105,6 +116,30 @@ class Validation {
         draw, draw.normal, part + ", field normal",
         [](const float* v) { return !(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > 0); },
         " of its normals have no direction");
+    const auto is_odd_uv = [](const float* v) { return !(std::isfinite(v[0]) && std::isfinite(v[1])); };
+    note_stream(draw, draw.uv, part + ", field uv", is_odd_uv, " of its uvs are not finite");
+    note_stream(draw, draw.uv2, part + ", field uv2", is_odd_uv, " of its uvs are not finite");
+    note_stream(
+        draw, draw.colour, part + ", field colour",
+        [](const float* v) { return std::any_of(v, v + 4, [](float c) { return !(std::isfinite(c) && c >= 0); }); },
+        " of its colours are negative or not finite");
+  }
+
+  // Once for each material: frames repeat their draws, and a material is drawn many times.
+  void note_uv_sets(const Draw& draw, const std::string& part) {
+    const Material& material = capture_.materials[draw.material];
+    for (const std::uint32_t set : {0u, 1u}) {
+      const bool is_there = (set == 0 ? draw.uv : draw.uv2).buffer != kNone;
+      const bool is_read = reads_uv_set(material, set);
+      const std::string where = part + ", field " + (set == 0 ? "uv" : "uv2");
+      if (is_read && !is_there && uv_sets_noted_.emplace(draw.material, set, is_there).second) {
+        note(where, "absent: the textures of material " + std::to_string(draw.material) + " are read at (0, 0)");
+      }
+      // The first set is there for nothing in most scenes: generators and importers give it to every mesh.
+      if (set == 1 && is_there && !is_read && uv_sets_noted_.emplace(draw.material, set, is_there).second) {
+        note(where, "unused: no texture of material " + std::to_string(draw.material) + " is read at it");
+      }
+    }
   }
 
   void check_instances(const Draw& draw, const std::string& part) {
@@ -124,8 +159,8 @@ class Validation {
     const auto [known, is_new] = odd_counts_.try_emplace(
         {stream.buffer, stream.format, stream.offset, stream.stride, draw.vertex_count, what}, 0u);
     if (is_new) {
-      const std::vector<float> values = decode_stream(capture_, stream, draw.vertex_count, 3);
-      for (std::size_t i = 0; i < values.size(); i += 3) known->second += is_odd(&values[i]) ? 1 : 0;
+      const std::vector<float> values = decode_stream(capture_, stream, draw.vertex_count, 4);
+      for (std::size_t i = 0; i < values.size(); i += 4) known->second += is_odd(&values[i]) ? 1 : 0;
     }
     if (known->second > 0) note(where, std::to_string(known->second) + what);
   }
@@ -135,6 +170,7 @@ class Validation {
   const Capture& capture_;
   IndexChecker indices_;
   std::map<StreamKey, std::size_t> odd_counts_;
+  std::set<std::tuple<std::uint32_t, std::uint32_t, bool>> uv_sets_noted_;  // material, set, whether it was there
   std::vector<Problem> problems_;
 };
 

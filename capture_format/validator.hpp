@@ -11,7 +11,7 @@ namespace subpixel::capture {
 struct Problem {
   enum class Severity {
     error,  // a rule is broken, or nothing sensible can come out
-    note    // replay copes with it: NaN positions, normals of length 0, draws without triangles, ...
+    note    // replay copes with it: NaN positions, draws without triangles, uvs that are absent or unused, ...
   } severity;
   std::string where;  // "frame 2, draw 17 (name), field position"
   std::string why;

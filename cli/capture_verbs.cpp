@@ -13,25 +13,17 @@
 #include "capture_format/error.hpp"
 #include "capture_format/generate/generate.hpp"
 #include "capture_format/hash.hpp"
-#include "capture_format/import/import.hpp"
+#include "capture_format/json_text.hpp"
+#include "capture_format/printable.hpp"
 #include "capture_format/reader.hpp"
 #include "capture_format/summary.hpp"
 #include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
 #include "cli/option_values.hpp"
+#include "cli/written_summary.hpp"
 
 namespace subpixel::cli {
 namespace {
-
-void write_and_report(const capture::Capture& made, const std::string& path) {
-  capture::write_capture(made, path);
-  const nlohmann::json summary = capture::summarize(made, capture::content_hash_hex(std::filesystem::path(path)),
-                                                    std::filesystem::file_size(path));
-  fmt::print("{}: {} frames, {} draws, {} triangles, {:.1f} MB, hash {}\n", path,
-             summary["frame_count"].get<std::uint64_t>(), summary["draws"].get<std::uint64_t>(),
-             summary["triangles"].get<std::uint64_t>(), summary["file_bytes"].get<double>() * 1e-6,
-             summary["hash"].get<std::string>());
-}
 
 struct GenerateArguments {
   std::string scene, out, size;
@@ -70,7 +62,9 @@ int generate(const GenerateArguments& arguments) {
     options.width = width;
     options.height = height;
   }
-  write_and_report(capture::generate(arguments.scene, options), arguments.out);
+  const capture::Capture made = capture::generate(arguments.scene, options);
+  capture::write_capture(made, arguments.out);
+  fmt::print("{}: {}\n", arguments.out, written_summary(made, arguments.out));
   return 0;
 }
 
@@ -88,40 +82,6 @@ void add_generate(CLI::App& app, std::function<int()>& action) {
   verb->callback([arguments, &action] { action = [arguments] { return generate(*arguments); }; });
 }
 
-struct ImportArguments {
-  std::string in, out, camera, size;
-  std::vector<std::string> assets;
-  std::optional<std::uint32_t> frames;
-};
-
-int import(const ImportArguments& arguments) {
-  capture::ImportOptions options;
-  options.camera = arguments.camera;
-  options.frames = arguments.frames;
-  if (!arguments.size.empty()) {
-    const auto [width, height] = parse_size(arguments.size);
-    options.width = width;
-    options.height = height;
-  }
-  options.asset_folders.assign(arguments.assets.begin(), arguments.assets.end());
-  options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
-  write_and_report(capture::import_file(arguments.in, options), arguments.out);
-  return 0;
-}
-
-void add_import(CLI::App& app, std::function<int()>& action) {
-  const auto arguments = std::make_shared<ImportArguments>();
-  CLI::App* const verb = app.add_subcommand(
-      "import", "Make a capture of a model file (glTF, GLB, OBJ, ...) or a scene description (.json)");
-  verb->add_option("in", arguments->in, "Model or scene description")->required();
-  verb->add_option("out", arguments->out, "Capture to write")->required();
-  verb->add_option("--camera", arguments->camera, "Camera file, or 'orbit'; default: the file's own camera");
-  verb->add_option("--frames", arguments->frames, "Frames; default: what the description says, else 10");
-  verb->add_option("--size", arguments->size, "WxH in pixels; default: what the description says, else 1280x720");
-  verb->add_option("--assets", arguments->assets, "Folder to look for archives and models in; may be repeated");
-  verb->callback([arguments, &action] { action = [arguments] { return import(*arguments); }; });
-}
-
 struct FileArguments {
   std::string file;
   bool json = false;
@@ -133,17 +93,22 @@ int info(const FileArguments& arguments) {
   const nlohmann::json summary =
       capture::summarize(read, capture::content_hash_hex(path), std::filesystem::file_size(path));
   if (arguments.json) {
-    fmt::print("{}\n", summary.dump(2));
+    fmt::print("{}\n", json_text(summary, 2));
     return 0;
   }
   for (const auto& [key, value] : summary.items()) {
     if (key == "frames") continue;  // one line each in the JSON form
-    std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    if (key == "notices") {
+      for (const nlohmann::json& notice : value)
+        fmt::print("{:<16} {}\n", "notice", printable(notice.get<std::string>()));
+      continue;
+    }
+    std::string text = value.is_string() ? value.get<std::string>() : json_text(value);
     if (key == "features") {
       text.clear();
       for (const nlohmann::json& feature : value) text += (text.empty() ? "" : ", ") + feature.get<std::string>();
     }
-    fmt::print("{:<16} {}\n", key, text);
+    fmt::print("{:<16} {}\n", key, printable(text));
   }
   return 0;
 }
@@ -158,12 +123,12 @@ int validate(const FileArguments& arguments) {
     errors += is_error ? 1 : 0;
     const char* const severity = is_error ? "error" : "note";
     list.push_back({{"severity", severity}, {"why", problem.why}, {"where", problem.where}});
-    if (!arguments.json) fmt::print("{}: {}: {}\n", severity, problem.why, problem.where);
+    if (!arguments.json) fmt::print("{}: {}: {}\n", severity, printable(problem.why), printable(problem.where));
   }
   if (arguments.json) {
-    fmt::print("{}\n", nlohmann::json{{"errors", errors}, {"problems", list}}.dump(2));
+    fmt::print("{}\n", json_text({{"errors", errors}, {"problems", list}}, 2));
   } else {
-    fmt::print("{}: {} errors, {} notes\n", arguments.file, errors, problems.size() - errors);
+    fmt::print("{}: {} errors, {} notes\n", printable(arguments.file), errors, problems.size() - errors);
   }
   return errors == 0 ? 0 : 1;
 }
@@ -181,7 +146,6 @@ void add_file_verb(CLI::App& app, std::function<int()>& action, const char* name
 
 void add_capture_verbs(CLI::App& app, std::function<int()>& action) {
   add_generate(app, action);
-  add_import(app, action);
   add_file_verb(app, action, "info", "Say what a capture holds", &info);
   add_file_verb(app, action, "validate", "Look for mistakes in a capture; exit code 1 when there are errors",
                 &validate);

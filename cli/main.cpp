@@ -5,9 +5,12 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <string_view>
 
 #include "capture_format/failure.hpp"
+#include "capture_format/printable.hpp"
 #include "cli/capture_verbs.hpp"
+#include "cli/import_verbs.hpp"
 #include "cli/measure_verbs.hpp"
 #include "cli/nightly_verbs.hpp"
 #include "cli/replay_verbs.hpp"
@@ -28,6 +31,12 @@ subpixel::Failure failure(const std::exception_ptr& exception) {
   return subpixel::failure_of(exception);
 }
 
+// Names in messages are others': nothing of them may reach the terminal raw.
+int report(std::string_view message, subpixel::ExitCode code) {
+  fmt::print(stderr, "subpixel: {}\n", subpixel::printable(message));
+  return code;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -38,6 +47,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   std::function<int()> action;
   subpixel::cli::add_capture_verbs(app, action);
+  subpixel::cli::add_import_verbs(app, action);
   subpixel::cli::add_replay_verbs(app, action);
   subpixel::cli::add_measure_verbs(app, action);
   subpixel::cli::add_service_verbs(app, action);
@@ -48,15 +58,14 @@ int main(int argc, char** argv) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
     const bool unknown_verb = argc > 1 && app.get_subcommands().empty() && argv[1][0] != '-';
-    fmt::print(stderr, "subpixel: command line: {}\n",
-               unknown_verb ? fmt::format("'{}' is not a verb; --help lists them", argv[1]) : error.what());
-    return subpixel::kUsageExit;
+    return report(unknown_verb ? fmt::format("command line: '{}' is not a verb; --help lists them", argv[1])
+                               : fmt::format("command line: {}", subpixel::joined_lines(error.what())),
+                  subpixel::kUsageExit);
   }
   try {
     return action();
   } catch (...) {
     const subpixel::Failure end = failure(std::current_exception());
-    fmt::print(stderr, "subpixel: {}\n", end.message);
-    return end.exit_code;
+    return report(end.message, end.exit_code);
   }
 }

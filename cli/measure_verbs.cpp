@@ -2,19 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "capture_format/atomic_file.hpp"
+#include "capture_format/json_text.hpp"
+#include "capture_format/printable.hpp"
 #include "replay/measure/advisor.hpp"
-#include "replay/measure/flip.hpp"
-#include "replay/measure/image.hpp"
+#include "replay/measure/comparison.hpp"
 #include "replay/measure/maps.hpp"
-#include "replay/measure/metrics.hpp"
 #include "replay/measure/results_file.hpp"
 
 namespace subpixel::cli {
@@ -23,7 +25,7 @@ namespace {
 using nlohmann::json;
 
 struct CompareOptions {
-  std::string reference, test, error_map;
+  std::string reference, test, error_map, layer;
   double pixels_per_degree = replay::FlipOptions{}.pixels_per_degree;
   bool as_json = false;
 };
@@ -47,52 +49,100 @@ std::string pooled_line(const replay::FlipResult& flip) {
                      flip.maximum);
 }
 
+json to_json(const CompareOptions& options, const replay::ImageFile& reference, const replay::ImageFile& test,
+             const replay::Comparison& found) {
+  json document = {
+      {"reference", options.reference},
+      {"test", options.test},
+      {"width", found.width},
+      {"height", found.height},
+      {"channels", {{"reference", reference.channels}, {"test", test.channels}}},
+      {"not_compared", {{"reference", reference.left_out}, {"test", test.left_out}}},
+      {"pixels_outside_window", {{"reference", reference.pixels_outside}, {"test", test.pixels_outside}}},
+      {"not_finite_pixels", {{"reference", found.not_finite_pixels[0]}, {"test", found.not_finite_pixels[1]}}},
+      {"clamped_pixels", {{"reference", found.clamped_pixels[0]}, {"test", found.clamped_pixels[1]}}},
+      {"differing_pixels", found.differing_pixels},
+      {"largest_difference", number(found.largest_difference)},
+      {"largest_difference_at", found.largest_at},
+      {"mse", found.mse},
+      {"psnr", number(found.psnr_db)},
+      {"ssim", number(found.ssim)},
+      {"hdr_rel_mse", found.hdr_relative_mse ? json(*found.hdr_relative_mse) : json(nullptr)},
+      {"alpha_mse", found.alpha_mse ? json(*found.alpha_mse) : json(nullptr)},
+      {"alpha_differing_pixels", found.alpha_differing_pixels},
+      {"flip", pooled(found.flip)}};
+  document["flip"]["pixels_per_degree"] = options.pixels_per_degree;
+  if (found.hdr_flip) {
+    document["hdr_flip"] = pooled(found.hdr_flip->error);
+    document["hdr_flip"]["start_exposure"] = found.hdr_flip->start;
+    document["hdr_flip"]["stop_exposure"] = found.hdr_flip->stop;
+    document["hdr_flip"]["exposures"] = found.hdr_flip->exposures;
+  }
+  return document;
+}
+
+// Up to as many as a line holds; --json has all.
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t kMostListed = 12;
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < kMostListed; ++i)
+    text += (i == 0 ? "" : ", ") + printable(names[i], 60);
+  if (names.size() > kMostListed) text += fmt::format(" and {} more", names.size() - kMostListed);
+  return text.empty() ? "none" : text;
+}
+
+// "12 and 0", or nothing when there are none in both.
+std::string both(const std::array<std::uint64_t, 2>& counts, const char* format) {
+  if (counts[0] == 0 && counts[1] == 0) return "";
+  return fmt::format(fmt::runtime(format), counts[0], counts[1]);
+}
+
+std::string to_text(const CompareOptions& options, const replay::ImageFile& reference, const replay::ImageFile& test,
+                    const replay::Comparison& found) {
+  std::string out = fmt::format("size  {}x{}\n", found.width, found.height);
+  const std::string channels = listed(reference.channels), test_channels = listed(test.channels);
+  out += channels == test_channels ? fmt::format("compared  {}\n", channels)
+                                   : fmt::format("compared  {} with {}\n", channels, test_channels);
+  if (!reference.left_out.empty() || !test.left_out.empty())
+    out += fmt::format("not compared  {} of the reference; {} of the test\n", listed(reference.left_out),
+                       listed(test.left_out));
+  out += both({reference.pixels_outside, test.pixels_outside},
+              "not compared  {} pixels of the reference, {} of the test, outside of the display window\n");
+  const std::uint64_t pixels = std::uint64_t{found.width} * found.height;
+  out += found.differing_pixels == 0
+             ? "differ  no pixel\n"
+             : fmt::format("differ  {} of {} pixels; most, by {:.6g}, that at {},{}\n", found.differing_pixels, pixels,
+                           found.largest_difference, found.largest_at[0], found.largest_at[1]);
+  out += both(found.not_finite_pixels,
+              "not finite  {} pixels of the reference, {} of the test; each counts as the largest difference\n");
+  out += both(found.clamped_pixels,
+              "outside 0 to 1  {} pixels of the reference, {} of the test; MSE, PSNR, SSIM and FLIP see 0 or 1\n");
+  out += fmt::format("MSE   {:.6e}\nPSNR  {:.3f} dB\n", found.mse, found.psnr_db);
+  out += std::isnan(found.ssim) ? "SSIM  none: a side is below 11 pixels\n" : fmt::format("SSIM  {:.6f}\n", found.ssim);
+  if (found.hdr_relative_mse) out += fmt::format("HDR relative MSE  {:.6e}\n", *found.hdr_relative_mse);
+  out += fmt::format("FLIP  {}  at {:.2f} pixels per degree\n", pooled_line(found.flip), options.pixels_per_degree);
+  if (found.hdr_flip)
+    out += fmt::format("HDR-FLIP  {}  over {} exposures, {:.4f} to {:.4f} stops\n", pooled_line(found.hdr_flip->error),
+                       found.hdr_flip->exposures, found.hdr_flip->start, found.hdr_flip->stop);
+  if (found.alpha_mse)
+    out += fmt::format("alpha MSE  {:.6e}, {} of {} pixels differ\n", *found.alpha_mse, found.alpha_differing_pixels,
+                       pixels);
+  return out;
+}
+
 int compare(const CompareOptions& options) {
-  const replay::Image reference = replay::read_image(options.reference);
-  const replay::Image test = replay::read_image(options.test);
-  replay::require_same_shape(reference, test);
-  const bool linear = reference.encoding == replay::Encoding::linear && test.encoding == replay::Encoding::linear;
-  const replay::Image a = replay::to_display(reference);
-  const replay::Image b = replay::to_display(test);
-  const double mse = replay::mse(a, b);
-  const double ssim = replay::ssim(a, b);
-  const replay::FlipOptions viewing{.pixels_per_degree = options.pixels_per_degree};
-  const replay::FlipResult flip = replay::flip(a, b, viewing);
-  std::optional<replay::HdrFlipResult> hdr;
-  if (linear) hdr = replay::hdr_flip(reference, test, viewing);
-  const double relative = linear ? replay::hdr_relative_mse(reference, test) : std::nan("");
-  if (!options.error_map.empty())
+  const replay::ImageFile reference = replay::read_image_file(options.reference, options.layer);
+  const replay::ImageFile test = replay::read_image_file(options.test, options.layer);
+  const replay::Comparison found =
+      replay::compare_images(reference, test, {.pixels_per_degree = options.pixels_per_degree});
+  if (!options.error_map.empty()) {
+    const replay::Image& map = found.hdr_flip ? found.hdr_flip->error.map : found.flip.map;
     write_file_atomically(
         options.error_map,
-        replay::encode_png(
-            replay::colour_values(hdr ? hdr->error.map : flip.map, 1, replay::ColourMap::magma, "FLIP", "").image));
-  if (options.as_json) {
-    json document = {{"reference", options.reference},
-                     {"test", options.test},
-                     {"width", a.width},
-                     {"height", a.height},
-                     {"mse", mse},
-                     {"psnr", number(replay::psnr_db(mse))},
-                     {"ssim", number(ssim)},
-                     {"hdr_rel_mse", number(relative)},
-                     {"flip", pooled(flip)}};
-    document["flip"]["pixels_per_degree"] = options.pixels_per_degree;
-    if (hdr) {
-      document["hdr_flip"] = pooled(hdr->error);
-      document["hdr_flip"]["start_exposure"] = hdr->start;
-      document["hdr_flip"]["stop_exposure"] = hdr->stop;
-      document["hdr_flip"]["exposures"] = hdr->exposures;
-    }
-    std::cout << document.dump(1) << "\n";
-    return 0;
+        replay::encode_png(replay::colour_values(map, 1, replay::ColourMap::magma, "FLIP", "").image));
   }
-  std::cout << fmt::format("size  {}x{}\nMSE   {:.6e}\nPSNR  {:.3f} dB\nSSIM  {:.6f}\n", a.width, a.height, mse,
-                           replay::psnr_db(mse), ssim);
-  if (linear) std::cout << fmt::format("HDR relative MSE  {:.6e}\n", relative);
-  std::cout << fmt::format("FLIP  {}  at {:.2f} pixels per degree\n", pooled_line(flip), options.pixels_per_degree);
-  if (hdr)
-    std::cout << fmt::format("HDR-FLIP  {}  over {} exposures, {:.4f} to {:.4f} stops\n", pooled_line(hdr->error),
-                             hdr->exposures, hdr->start, hdr->stop);
+  std::cout << (options.as_json ? json_text(to_json(options, reference, test, found), 1) + "\n"
+                                : to_text(options, reference, test, found));
   return 0;
 }
 
@@ -104,7 +154,7 @@ struct AdviseOptions {
 
 int advise(const AdviseOptions& options) {
   const replay::Advice advice = replay::advise(replay::read_results(options.results), options.budget);
-  std::cout << (options.as_json ? to_json(advice).dump(1) + "\n" : to_text(advice));
+  std::cout << (options.as_json ? json_text(to_json(advice), 1) + "\n" : to_text(advice));
   return advice.within > 0 ? 0 : 1;
 }
 
@@ -120,6 +170,8 @@ void add_measure_verbs(CLI::App& app, std::function<int()>& action) {
                            "Viewing conditions of FLIP; default: a 0.7 m wide display of 3840 pixels from 0.7 m");
   compare_verb->add_option("--error-map", compare_options->error_map,
                            "Write FLIP's map as a PNG; of two linear images (EXR, HDR) that of HDR-FLIP");
+  compare_verb->add_option("--layer", compare_options->layer,
+                           "Layer or part of OpenEXR files to compare; needed where several have colours");
   compare_verb->add_flag("--json", compare_options->as_json, "One JSON document");
   compare_verb->callback(
       [compare_options, &action] { action = [compare_options] { return compare(*compare_options); }; });

@@ -10,6 +10,8 @@
 
 #include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
+#include "capture_format/json_text.hpp"
+#include "capture_format/printable.hpp"
 #include "server/data_folder.hpp"
 #include "server/nightly/config.hpp"
 #include "server/nightly/run_night.hpp"
@@ -48,16 +50,16 @@ int nightly(const NightlyArguments& arguments) {
   options.worker = arguments.worker.empty() ? std::filesystem::read_symlink("/proc/self/exe")
                                             : std::filesystem::absolute(arguments.worker);
   options.limits.silence = std::chrono::seconds(arguments.silence_s);
-  options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", printable(line)); };
   const NightRecord night = server::run_night(config, folder, store, options);
 
   write_text(arguments.junit, to_junit(night));
   write_text(arguments.markdown, to_markdown(night));
-  write_text(arguments.json_file, to_json(night).dump(1) + "\n");
+  write_text(arguments.json_file, json_text(to_json(night), 1) + "\n");
   // One document on standard output: the one asked for with "-", else the summary for people.
   const bool taken = arguments.junit == "-" || arguments.markdown == "-" || arguments.json_file == "-";
   if (!taken) std::cout << to_markdown(night);
-  fmt::print(stderr, "{}\n", headline(night));
+  fmt::print(stderr, "{}\n", printable(headline(night)));
   return night.status == server::NightStatus::passed ? 0 : 1;
 }
 
@@ -82,7 +84,7 @@ int baseline_set(const BaselineArguments& arguments) {
   if (!store.set_baseline(arguments.name, *id)) {
     throw InputError("baseline", "there is no finished night of this number", std::to_string(*id));
   }
-  fmt::print("{} is night {}\n", arguments.name, *id);
+  fmt::print("{} is night {}\n", printable(arguments.name), *id);
   return 0;
 }
 
@@ -92,9 +94,10 @@ int baseline_list(const BaselineArguments& arguments) {
   nlohmann::json list = nlohmann::json::array();
   for (const server::BaselineRecord& baseline : store.baselines()) {
     list.push_back({{"name", baseline.name}, {"night", baseline.night}, {"set_utc", baseline.set_utc}});
-    if (!arguments.as_json) fmt::print("{:<16} night {:<6} set {}\n", baseline.name, baseline.night, baseline.set_utc);
+    if (!arguments.as_json)
+      fmt::print("{:<16} night {:<6} set {}\n", printable(baseline.name), baseline.night, baseline.set_utc);
   }
-  if (arguments.as_json) fmt::print("{}\n", list.dump(1));
+  if (arguments.as_json) fmt::print("{}\n", json_text(list, 1));
   return 0;
 }
 
@@ -104,7 +107,7 @@ int baseline_show(const BaselineArguments& arguments) {
   for (const server::BaselineRecord& baseline : store.baselines()) {
     if (baseline.name != arguments.name) continue;
     const NightRecord night = store.night(baseline.night, false).value();
-    std::cout << (arguments.as_json ? to_json(night).dump(1) + "\n" : to_markdown(night));
+    std::cout << (arguments.as_json ? json_text(to_json(night), 1) + "\n" : to_markdown(night));
     return 0;
   }
   throw InputError("baseline", "nothing is approved under this name", arguments.name);

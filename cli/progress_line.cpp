@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "capture_format/printable.hpp"
+
 namespace subpixel::cli {
 
 ProgressLine::ProgressLine() : terminal_(::isatty(STDERR_FILENO) != 0) {}
@@ -16,7 +18,7 @@ ProgressLine::~ProgressLine() {
 
 void ProgressLine::update(const std::string& stage, std::uint64_t done, std::uint64_t total,
                           const std::string& detail) {
-  const std::string label = stage + " " + detail;
+  const std::string label = printable(stage + " " + detail);
   if (terminal_) {
     constexpr std::uint64_t kWidth = 30;
     const std::uint64_t filled = total == 0 ? kWidth : std::min(done, total) * kWidth / total;
@@ -24,7 +26,7 @@ void ProgressLine::update(const std::string& stage, std::uint64_t done, std::uin
                total, label);
     std::fflush(stderr);
   } else if (label != last_) {
-    fmt::print(stderr, "{}: {} ({}/{})\n", stage, detail, done, total);
+    fmt::print(stderr, "{}: {} ({}/{})\n", printable(stage), printable(detail), done, total);
   }
   last_ = label;
 }

@@ -13,6 +13,8 @@
 #include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
 #include "capture_format/failure.hpp"
+#include "capture_format/json_text.hpp"
+#include "capture_format/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/progress_line.hpp"
 #include "replay/measure/plots.hpp"
@@ -72,18 +74,18 @@ int replay(const ReplayFlags& flags) {
   const std::filesystem::path json =
       flags.json_file.empty() ? job.out_dir / "results.json" : std::filesystem::path(flags.json_file);
   if (json == "-") {
-    std::cout << to_json(results).dump(2) << "\n";
+    std::cout << json_text(to_json(results), 2) << "\n";
     return 0;
   }
   write_results(json, results);
   write_plots(job.out_dir, results);
   std::cout << to_table(results);
-  fmt::print("images, maps, plots: {}   results: {}\n", job.out_dir.string(), json.string());
+  fmt::print("images, maps, plots: {}   results: {}\n", printable(job.out_dir.string()), printable(json.string()));
   return 0;
 }
 
 void print_line(const nlohmann::json& message) {
-  std::cout << message.dump() << std::endl;  // flushed: the reader acts on whole lines
+  std::cout << json_text(message) << std::endl;  // flushed: the reader acts on whole lines
 }
 
 int worker(const std::string& job_file) {
@@ -125,7 +127,7 @@ std::string parameter_range(const Parameter& p) {
 
 int list_techniques(bool json) {
   if (json) {
-    std::cout << registry_json().dump(2) << "\n";
+    std::cout << json_text(registry_json(), 2) << "\n";
     return 0;
   }
   for (const Technique* technique : techniques()) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <signal.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@
 #include <thread>
 
 #include "capture_format/error.hpp"
+#include "capture_format/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/submission.hpp"
 #include "server/service.hpp"
@@ -62,9 +64,22 @@ server::ServiceOptions service_options(const ServeArguments& arguments) {
   return options;
 }
 
+// A log line's text, in which there may be names from requests and captures.
+class PrintableText : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& out) override {
+    const std::string text = printable({message.payload.data(), message.payload.size()});
+    out.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<PrintableText>(); }
+};
+
 int serve(const ServeArguments& arguments) {
   // The log goes to standard error; standard output has the address and nothing else, for scripts.
   spdlog::set_default_logger(spdlog::stderr_color_mt("subpixel"));
+  auto lines = std::make_unique<spdlog::pattern_formatter>();
+  lines->add_flag<PrintableText>('*').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*");
+  spdlog::set_formatter(std::move(lines));
   ::signal(SIGPIPE, SIG_IGN);
   // Blocked before any thread starts, so that only the waiting one below gets them.
   sigset_t endings;
@@ -75,7 +90,7 @@ int serve(const ServeArguments& arguments) {
 
   server::Service service(service_options(arguments));
   const std::string host = arguments.listen.substr(0, arguments.listen.rfind(':'));
-  fmt::print("listening on http://{}:{}\n", host, service.port());
+  fmt::print("listening on http://{}:{}\n", printable(host), service.port());
   std::fflush(stdout);
   std::jthread waiter([&](const std::stop_token& stop) {
     const timespec step{0, 200'000'000};
@@ -97,7 +112,8 @@ void add_serve(CLI::App& app, std::function<int()>& action) {
   verb->add_option("--data", arguments->data, "Folder for captures, results and caches; created when missing")
       ->required();
   verb->add_option("--listen", arguments->listen, "HOST:PORT; port 0 takes any free one")->capture_default_str();
-  verb->add_option("--host-name", arguments->host_names, "Further host names by which clients call this service");
+  verb->add_option("--host-name", arguments->host_names,
+                   "Further NAME or NAME:PORT by which clients call this service, a proxy's before it");
   verb->add_option("--workers", arguments->workers, "Runs replayed at a time; more than 1 disturbs their timings")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

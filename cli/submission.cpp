@@ -13,6 +13,7 @@
 
 #include "capture_format/error.hpp"
 #include "capture_format/hash.hpp"
+#include "capture_format/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/progress_line.hpp"
 #include "replay/results.hpp"
@@ -145,7 +146,7 @@ int submit_to_service(const Submission& submission) {
   const json run =
       answer(client.Post(where, body.dump(), "application/json"), "can't start the run", submission.server);
   const std::string path = fmt::format("/api/runs/{}", run.at("id").get<std::int64_t>());
-  fmt::print("run {}/#/runs/{}\n", submission.server, run.at("id").get<std::int64_t>());
+  fmt::print("run {}/#/runs/{}\n", printable(submission.server), run.at("id").get<std::int64_t>());
   std::fflush(stdout);
   if (!submission.wait) return 0;
 
@@ -156,8 +157,8 @@ int submit_to_service(const Submission& submission) {
                      submission.server + path);
   }
   const json results = answer(client.Get(path + "/results.json"), "can't read the results", submission.server);
-  fmt::print("{}results {}{}/results.json\n", replay::to_table(replay::results_from_json(results)), submission.server,
-             path);
+  fmt::print("{}results {}{}/results.json\n", replay::to_table(replay::results_from_json(results)),
+             printable(submission.server), path);
   return 0;
 }
 

@@ -105,6 +105,7 @@ using ReferenceKind = std::pair<std::uint32_t, bool>;
 struct Reference {
   ReferenceImage image;
   std::string file;
+  std::uint64_t invalid_pixels = 0;
 };
 
 ReferenceKind reference_kind(const PlannedTechnique& planned) {
@@ -263,6 +264,8 @@ const Reference* Replay::reference_for(std::uint32_t frame, const PlannedTechniq
   if (!cached.store_error.empty()) progress("reference", 1, 1, "not cached: " + cached.store_error);
   Reference reference{std::move(cached.image), fmt::format("frame{:04}_reference{}.png", frame, references_.size())};
   write_png(reference.file, reference.image.display);
+  reference.invalid_pixels = invalid_pixels(reference.image.linear);
+  mark_not_finite(reference.image.linear, reference.image.display);
   return &references_.emplace(kind, std::move(reference)).first->second;
 }
 
@@ -353,6 +356,7 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which) 
   result.counters["invalid_pixels"] = invalid_pixels(radiance.colour) + invalid_pixels(display);
 
   result.images["image"] = write_png(stem + ".png", display);
+  mark_not_finite(radiance.colour, display);  // a tone curve may have made a colour of what is none
   now("write");
   write_file_atomically(job_.out_dir / (stem + ".exr"), encode_exr(radiance.colour));
   now("measure");
@@ -378,6 +382,7 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which) 
   if (!reference) return;
   const ReferenceImage& truth = reference->image;
   result.images["reference"] = reference->file;
+  if (reference->invalid_pixels > 0) result.counters["invalid_reference_pixels"] = reference->invalid_pixels;
   result.error.mse = mse(truth.display, display);
   result.error.psnr_db = psnr_db(result.error.mse);
   result.error.hdr_rel_mse = hdr_relative_mse(truth.linear, radiance.colour);

@@ -13,7 +13,7 @@ packages=(build-essential g++ cmake ninja-build pkg-config glslang-tools libvulk
   libcli11-dev libglm-dev libminizip-dev libgtest-dev libbenchmark-dev sweethome3d-furniture)
 # Least versions, Debian 12's: older ones are known not to do (CMake's presets; a Vulkan extension's header; C++20).
 least_versions=(cmake 3.25 libvulkan-dev 1.3.239 g++ 4:12)
-test_packages=(clang-format clang-tidy vulkan-validationlayers)
+test_packages=(clang-format clang-tidy nginx-light vulkan-validationlayers)
 
 command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
   fail "this is neither Debian nor Ubuntu; install what corresponds to: ${packages[*]} mesa-vulkan-drivers"

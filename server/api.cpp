@@ -1,7 +1,6 @@
 // What all routes share: limits, the defence against other sites, headers, health, the viewer's files.
 #include "server/api.hpp"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,33 +16,8 @@ namespace {
 
 constexpr std::uint64_t kMaxOtherBodyBytes = 1 << 20;
 
-// "name:port", "[v6]:port" or either without the port.
-std::string host_of(std::string_view host_and_port) {
-  if (host_and_port.starts_with('[')) {
-    const std::size_t end = host_and_port.find(']');
-    return std::string(host_and_port.substr(1, end == std::string_view::npos ? end : end - 1));
-  }
-  return std::string(host_and_port.substr(0, host_and_port.rfind(':')));
-}
-
-bool is_ip_address(const std::string& host) {
-  in_addr v4{};
-  in6_addr v6{};
-  return ::inet_pton(AF_INET, host.c_str(), &v4) == 1 || ::inet_pton(AF_INET6, host.c_str(), &v6) == 1;
-}
-
 bool is_reading(const httplib::Request& request) {
   return request.method == "GET" || request.method == "HEAD";
-}
-
-std::uint64_t content_length(const httplib::Request& request) {
-  const std::string text = request.get_header_value("Content-Length");
-  std::uint64_t length = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) {
-    throw HttpError(400, "the request is malformed", "Content-Length is no number", "header Content-Length");
-  }
-  return length;
 }
 
 }  // namespace
@@ -67,6 +41,17 @@ std::int64_t parse_id(const std::string& text) {
   return error == std::errc() && end == text.data() + text.size() ? id : -1;
 }
 
+std::uint64_t content_length(const httplib::Request& request) {
+  if (!request.has_header("Content-Length")) return 0;  // RFC 9112, section 6.3: no length, no body
+  const std::string text = request.get_header_value("Content-Length");
+  std::uint64_t length = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) {
+    throw HttpError(400, "the request is malformed", "Content-Length is no number", "header Content-Length");
+  }
+  return length;
+}
+
 std::string read_json_body(const httplib::Request& request, const httplib::ContentReader& read,
                            const std::string& what) {
   const std::string type = request.get_header_value("Content-Type");
@@ -83,13 +68,19 @@ std::string read_json_body(const httplib::Request& request, const httplib::Conte
 }
 
 Api::Api(const ServiceOptions& options, const DataFolder& folder, Store& store, RunEvents& events, JobQueue& queue)
-    : options_(options), folder_(folder), store_(store), events_(events), queue_(queue) {}
+    : options_(options),
+      folder_(folder),
+      store_(store),
+      events_(events),
+      queue_(queue),
+      names_(options.host, options.host_names) {}
 
 void Api::route(HttpServer& http) {
   using HandlerResponse = httplib::Server::HandlerResponse;
   http.set_payload_max_length(options_.upload_limit_bytes);
   http.set_default_headers({
       {"X-Content-Type-Options", "nosniff"},
+      {"Accept-Ranges", "none"},  // the library says "bytes" to a HEAD for what choose_bytes() does not answer
       {"Referrer-Policy", "no-referrer"},
       {"Cross-Origin-Resource-Policy", "same-origin"},
       {"Content-Security-Policy",
@@ -159,11 +150,7 @@ void Api::check_request(const Request& request) const {
   }
   const std::size_t lengths = request.get_header_value_count("Content-Length");
   if (lengths > 1) throw HttpError(400, "the request is malformed", "it has several lengths", "header Content-Length");
-  if (request.method == "POST" && lengths == 0) {
-    throw HttpError(411, "the request is refused", "the length of a body must be known beforehand",
-                    "header Content-Length");
-  }
-  const std::uint64_t length = lengths == 0 ? 0 : content_length(request);
+  const std::uint64_t length = content_length(request);
   const bool upload = request.method == "POST" && request.path == "/api/captures";
   const std::uint64_t limit = upload ? options_.upload_limit_bytes : request.method == "POST" ? kMaxOtherBodyBytes : 0;
   if (length > limit) {
@@ -176,20 +163,14 @@ void Api::check_request(const Request& request) const {
 // must come from our own pages or from no page at all, and the Host must not be a name that someone else can point at
 // this machine (DNS rebinding), for then their pages would count as our own.
 void Api::check_origin(const Request& request) const {
-  const std::string host_and_port = request.get_header_value("Host");
-  const std::string host = host_of(host_and_port);
-  const bool known = host == "localhost" || host == options_.host || is_ip_address(host) ||
-                     std::ranges::find(options_.host_names, host) != options_.host_names.end();
-  if (request.get_header_value_count("Host") != 1 || !known) {
+  const std::string host = request.get_header_value("Host");
+  if (request.get_header_value_count("Host") != 1 || !names_.is_own_host(host)) {
     throw HttpError(421, "the request is refused",
                     "the Host is not an IP address, localhost or a name this service was told it has", "header Host");
   }
   if (is_reading(request)) return;
-  if (request.has_header("Origin")) {
-    const std::string origin = request.get_header_value("Origin");
-    if (origin != "http://" + host_and_port && origin != "https://" + host_and_port) {
-      throw HttpError(403, "the request is refused", "it comes from another site's page", "header Origin");
-    }
+  if (request.has_header("Origin") && !names_.is_own_origin(request.get_header_value("Origin"), host)) {
+    throw HttpError(403, "the request is refused", "it comes from another site's page", "header Origin");
   }
   const std::string site = request.get_header_value("Sec-Fetch-Site");
   if (!site.empty() && site != "same-origin" && site != "none") {

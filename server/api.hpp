@@ -10,6 +10,7 @@
 #include "server/data_folder.hpp"
 #include "server/http_server.hpp"
 #include "server/job_queue.hpp"
+#include "server/own_names.hpp"
 #include "server/run_events.hpp"
 #include "server/service.hpp"
 #include "server/store.hpp"
@@ -39,7 +40,7 @@ class Api {
   void route_captures(HttpServer& http);
   void post_capture(const Request& request, Response& response, const httplib::ContentReader& read);
   void delete_capture(const std::string& hash, Response& response);
-  void send_capture_file(const std::string& hash, Response& response) const;
+  void send_capture_file(const Request& request, const std::string& hash, Response& response) const;
   void send_blob(const Request& request, const std::string& hash, Response& response) const;
   void post_tags(const std::string& hash, const Request& request, Response& response,
                  const httplib::ContentReader& read);
@@ -68,6 +69,7 @@ class Api {
   Store& store_;
   RunEvents& events_;
   JobQueue& queue_;
+  OwnNames names_;
   std::stop_source stop_;
   std::atomic<int> streams_{0};  // clients that follow a run
   std::mutex captures_mutex_;    // a capture's file and its record come and go together
@@ -79,6 +81,9 @@ std::int64_t query_number(const httplib::Request& request, const std::string& na
 
 // The number in a path, -1 for one that is none.
 std::int64_t parse_id(const std::string& text);
+
+// The length of a request's body, 0 without a Content-Length. Throws HttpError 400 for one that is no number.
+std::uint64_t content_length(const httplib::Request& request);
 
 // The body of a request that must be JSON; `what` is what it asks for. Throws HttpError 415 for another content type,
 // which a page of another site could send unasked, and 400 when it ends early.

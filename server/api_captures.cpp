@@ -6,12 +6,13 @@
 
 #include <memory>
 
+#include "capture_format/printable.hpp"
 #include "server/api.hpp"
+#include "server/byte_range.hpp"
 #include "server/capture_inspection.hpp"
 #include "server/http_error.hpp"
 #include "server/json_document.hpp"
 #include "server/run_request.hpp"
-#include "server/text.hpp"
 #include "server/upload.hpp"
 
 namespace subpixel::server {
@@ -71,8 +72,9 @@ void Api::route_captures(HttpServer& http) {
     response.set_header("Cache-Control", "no-store");
     write_json(response, 200, document);
   });
-  http.Get("/api/captures/([0-9a-f]{32})/file",
-           [this](const Request& request, Response& response) { send_capture_file(request.matches[1], response); });
+  http.Get("/api/captures/([0-9a-f]{32})/file", [this](const Request& request, Response& response) {
+    send_capture_file(request, request.matches[1], response);
+  });
   http.Post("/api/captures/([0-9a-f]{32})/tags",
             [this](const Request& request, Response& response, const httplib::ContentReader& read) {
               post_tags(request.matches[1], request, response, read);
@@ -88,7 +90,7 @@ void Api::post_capture(const Request& request, Response& response, const httplib
     throw HttpError(415, "the upload is refused", "the body must be the capture's bytes, not a form",
                     "header Content-Type");
   }
-  const std::uint64_t length = std::stoull(request.get_header_value("Content-Length"));  // check_request() saw it
+  const std::uint64_t length = content_length(request);
   if (folder_.free_bytes() < length + options_.reserved_bytes) {
     throw HttpError(507, "the capture can't be stored", "the disk has too little room", "data folder");
   }
@@ -171,7 +173,7 @@ void Api::delete_capture(const std::string& hash, Response& response) {
   response.status = 204;
 }
 
-void Api::send_capture_file(const std::string& hash, Response& response) const {
+void Api::send_capture_file(const Request& request, const std::string& hash, Response& response) const {
   const std::optional<CaptureRecord> capture = store_.capture(hash);
   if (!capture) throw no_capture(hash);
   struct File {
@@ -186,29 +188,27 @@ void Api::send_capture_file(const std::string& hash, Response& response) const {
   if (file->fd < 0 || ::fstat(file->fd, &status) != 0) {
     throw HttpError(500, "the capture can't be read", "its file is missing", hash);
   }
+  const std::optional<BytePart> part =
+      choose_bytes(request, response, static_cast<std::uint64_t>(status.st_size), "\"" + hash + "\"");
+  if (!part) return;
   response.set_header("Content-Disposition", fmt::format("attachment; filename=\"{}.spcap\"", hash));
-  response.set_content_provider(static_cast<std::size_t>(status.st_size), "application/octet-stream",
-                                [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-                                  std::vector<char> block(std::min<std::size_t>(length, std::size_t{1} << 18));
-                                  const ssize_t got =
-                                      ::pread(file->fd, block.data(), block.size(), static_cast<off_t>(offset));
-                                  return got > 0 && sink.write(block.data(), static_cast<std::size_t>(got));
-                                });
+  response.set_content_provider(
+      part->length, "application/octet-stream",
+      [file, first = part->first](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+        std::vector<char> block(std::min<std::size_t>(length, std::size_t{1} << 18));
+        const ssize_t got = ::pread(file->fd, block.data(), block.size(), static_cast<off_t>(first + offset));
+        return got > 0 && sink.write(block.data(), static_cast<std::size_t>(got));
+      });
 }
 
 void Api::send_blob(const Request& request, const std::string& hash, Response& response) const {
-  const std::string tag = "\"" + hash + "\"";
-  const bool unchanged = request.get_header_value("If-None-Match").find(tag) != std::string::npos;
-  const std::optional<Blob> blob = unchanged ? std::nullopt : store_.blob(hash);
-  if (!unchanged && !blob) throw HttpError(404, "there is no such blob", "none has this hash", hash);
+  const std::optional<Blob> blob = store_.blob(hash);
+  if (!blob) throw HttpError(404, "there is no such blob", "none has this hash", hash);
   // The name is the content's hash, so what it names never changes.
   response.set_header("Cache-Control", "private, max-age=31536000, immutable");
-  response.set_header("ETag", tag);
-  if (unchanged) {
-    response.status = 304;
-  } else {
-    response.set_content(blob->bytes, blob->media_type);
-  }
+  const std::optional<BytePart> part = choose_bytes(request, response, blob->bytes.size(), "\"" + hash + "\"");
+  if (!part) return;
+  response.set_content(blob->bytes.substr(part->first, part->length), blob->media_type);
 }
 
 }  // namespace subpixel::server

@@ -298,16 +298,20 @@ void Api::send_events(std::int64_t id, const Request& request, Response& respons
   }
   const auto stream = std::make_shared<EventStream>(store_, events_, id, last_seen);
   response.set_header("Cache-Control", "no-store");
-  response.set_chunked_content_provider(
-      "text/event-stream",
-      [stream](std::size_t, httplib::DataSink& sink) {
-        try {
-          return stream->step(sink);
-        } catch (const std::exception&) {
-          return false;  // the client reconnects with the id of the last event it has
-        }
-      },
-      [this](bool) { --streams_; });
+  response.set_header("X-Accel-Buffering", "no");  // nginx hands on at once what comes
+  const auto send = [stream](std::size_t, httplib::DataSink& sink) {
+    try {
+      return stream->step(sink);
+    } catch (const std::exception&) {
+      return false;  // the client reconnects with the id of the last event it has
+    }
+  };
+  const auto release = [this](bool) { --streams_; };
+  if (request.version == "HTTP/1.0") {  // knows no chunks: the end of the connection is that of the stream
+    response.set_content_provider("text/event-stream", send, release);
+  } else {
+    response.set_chunked_content_provider("text/event-stream", send, release);
+  }
 }
 
 }  // namespace subpixel::server

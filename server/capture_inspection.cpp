@@ -6,9 +6,9 @@
 
 #include "capture_format/error.hpp"
 #include "capture_format/failure.hpp"
+#include "capture_format/printable.hpp"
 #include "replay/measure/json_fields.hpp"
 #include "server/http_error.hpp"
-#include "server/text.hpp"
 
 namespace subpixel::server {
 namespace {

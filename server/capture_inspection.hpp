@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "server/child_process.hpp"
+#include "process/child_process.hpp"
 #include "server/job_queue.hpp"
 #include "server/store.hpp"
 

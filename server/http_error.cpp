@@ -3,8 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include "capture_format/error.hpp"
+#include "capture_format/printable.hpp"
 #include "server/sqlite.hpp"
-#include "server/text.hpp"
 
 namespace subpixel::server {
 namespace {

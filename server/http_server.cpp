@@ -5,6 +5,7 @@
 #include <netdb.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <strings.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 #include <charconv>
 #include <cstring>
 #include <optional>
+#include <string_view>
 
 namespace subpixel::server {
 namespace {
@@ -212,6 +214,23 @@ std::optional<std::uint64_t> declared_length(const httplib::Request& request) {
   return length;
 }
 
+// A target that is a whole address (RFC 9112, section 3.2.2) becomes its path, and its authority the Host, whatever
+// that was: what is checked is what was asked for. Such a request too must have said one Host.
+void take_absolute_form(httplib::Request& request) {
+  constexpr std::string_view kScheme = "http://";
+  const std::string& target = request.target;
+  if (target.size() < kScheme.size() || ::strncasecmp(target.data(), kScheme.data(), kScheme.size()) != 0) return;
+  const std::size_t end = std::min(target.find_first_of("/?", kScheme.size()), target.size());
+  if (request.get_header_value_count("Host") == 1) {
+    request.headers.erase("Host");
+    request.headers.emplace("Host", target.substr(kScheme.size(), end - kScheme.size()));
+  }
+  const bool rooted = end < target.size() && target[end] == '/';
+  const std::string rest = std::string(rooted ? "" : "/").append(target, end);
+  request.path = httplib::detail::decode_url(rest.substr(0, rest.find('?')), false);
+  request.target = rest;
+}
+
 }  // namespace
 
 HttpServer::HttpServer(const HttpLimits& limits) : limits_(limits) {
@@ -238,8 +257,9 @@ bool HttpServer::process_and_close_socket(socket_t socket) {
     served = process_request(*stream, request == kRequestsPerConnection, closed, [&](httplib::Request& parsed) {
       const std::optional<std::uint64_t> length = declared_length(parsed);
       stream->begin_body(length.value_or(0));
-      parsed.ranges.clear();  // ranges of blobs and captures are not offered; the whole is always an allowed answer
-      last = !length || *length > kSmallBodyBytes;
+      parsed.ranges.clear();  // the library's own are not bounded in number; choose_bytes() reads the header itself
+      take_absolute_form(parsed);
+      last = !length || *length > kSmallBodyBytes || parsed.version == "HTTP/1.0";
       if (last) {
         parsed.headers.erase("Connection");
         parsed.set_header("Connection", "close");

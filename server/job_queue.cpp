@@ -5,7 +5,7 @@
 
 #include "capture_format/atomic_file.hpp"
 #include "capture_format/failure.hpp"
-#include "server/text.hpp"
+#include "capture_format/printable.hpp"
 #include "server/worker_session.hpp"
 
 namespace subpixel::server {

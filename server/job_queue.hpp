@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/child_process.hpp"
+#include "process/child_process.hpp"
 #include "server/data_folder.hpp"
 #include "server/run_events.hpp"
 #include "server/store.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "capture_format/error.hpp"
-#include "server/text.hpp"
+#include "capture_format/printable.hpp"
 
 namespace subpixel::server {
 namespace {

@@ -6,10 +6,10 @@
 #include <array>
 
 #include "capture_format/error.hpp"
+#include "capture_format/printable.hpp"
 #include "replay/measure/json_fields.hpp"
 #include "replay/techniques/technique.hpp"
 #include "server/json_document.hpp"
-#include "server/text.hpp"
 
 namespace subpixel::server {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "capture_format/error.hpp"
+#include "capture_format/printable.hpp"
 #include "replay/measure/json_fields.hpp"
-#include "server/text.hpp"
 #include "server/worker_files.hpp"
 
 namespace subpixel::server {

@@ -19,7 +19,7 @@ glm::dvec3 unit(const glm::dvec3& v, const glm::dvec3& otherwise) {
 
 struct Corner {
   glm::dvec4 clip;
-  glm::dvec3 world, normal;
+  glm::dvec3 world, normal, colour{1};
 };
 
 double cross2(const glm::dvec2& a, const glm::dvec2& b) {
@@ -72,6 +72,8 @@ ExactFrame::ExactFrame(const capture::Capture& capture, std::uint32_t image_widt
     base.emissive = {material.emissive[0], material.emissive[1], material.emissive[2]};
     base.metallic = static_cast<double>(material.metallic);
     base.roughness = static_cast<double>(material.roughness);
+    base.unlit = material.unlit;
+    const auto colours = capture::decode_stream(capture, draw.colour, draw.vertex_count, 3);
     for (const capture::Matrix4& transform : capture::world_transforms(capture, draw)) {
       const glm::dmat4 world = replay::matrix(transform);
       const glm::dmat3 to_normal = glm::transpose(glm::inverse(glm::dmat3(world)));
@@ -85,6 +87,7 @@ ExactFrame::ExactFrame(const capture::Capture& capture, std::uint32_t image_widt
           corner[k].clip = camera.view_projection * point;
           if (!normals.empty())
             corner[k].normal = to_normal * glm::dvec3(normals[at], normals[at + 1], normals[at + 2]);
+          if (!colours.empty()) corner[k].colour = {colours[at], colours[at + 1], colours[at + 2]};
           usable = usable && corner[k].clip.w > 1e-9 && std::isfinite(glm::dot(corner[k].clip, glm::dvec4(1)));
         }
         if (!usable) continue;
@@ -133,6 +136,7 @@ ExactFrame::ExactFrame(const capture::Capture& capture, std::uint32_t image_widt
             glm::dvec3 w = screen / glm::dvec3(corner[0].clip.w, corner[1].clip.w, corner[2].clip.w);
             w /= w.x + w.y + w.z;
             fragment.surface = base;
+            fragment.surface.albedo *= w.x * corner[0].colour + w.y * corner[1].colour + w.z * corner[2].colour;
             fragment.surface.position = w.x * corner[0].world + w.y * corner[1].world + w.z * corner[2].world;
             const glm::dvec3 side = area > 0 ? -face : face;
             fragment.surface.normal =
@@ -148,6 +152,7 @@ ExactFrame::ExactFrame(const capture::Capture& capture, std::uint32_t image_widt
 }
 
 glm::dvec3 ExactFrame::shade(const ExactSurface& s) const {
+  if (s.unlit) return glm::clamp(s.albedo, 0.0, 1.0);
   const glm::dvec3 view = unit(eye_ - s.position, {0, 0, 1}), normal = unit(s.normal, view);
   const double roughness = std::clamp(s.roughness, 0.089, 1.0), alpha2 = std::pow(roughness, 4);
   const glm::dvec3 diffuse_colour = s.albedo * (1 - s.metallic);
@@ -185,8 +190,14 @@ glm::dvec3 ExactFrame::shade(const ExactSurface& s) const {
     const double range2 = static_cast<double>(point.range) * static_cast<double>(point.range),
                  d2 = glm::dot(to_light, to_light);
     const double window = std::max(1 - d2 * d2 / (range2 * range2), 0.0);
-    const double attenuation = window * window * std::min(1 / std::max(d2, 1e-20), 1e4 / range2);
     const glm::dvec3 light = to_light / std::sqrt(std::max(d2, 1e-20));
+    double inside = 1;
+    if (point.cone) {
+      const auto& d = point.cone->direction;
+      const double outer = point.cone->outer_cosine, between = point.cone->inner_cosine - outer;
+      inside = std::clamp((-glm::dot(light, unit({d[0], d[1], d[2]}, {0, -1, 0})) - outer) / between, 0.0, 1.0);
+    }
+    const double attenuation = inside * inside * window * window * std::min(1 / std::max(d2, 1e-20), 1e4 / range2);
     radiance += glm::dvec3(point.intensity[0], point.intensity[1], point.intensity[2]) *
                 (attenuation * reflected(light, std::clamp(glm::dot(normal, light), 0.0, 1.0)));
   }

@@ -15,6 +15,7 @@ inline constexpr std::uint32_t kSamples = 8;
 struct ExactSurface {
   glm::dvec3 position, normal, albedo, emissive;
   double metallic = 0, roughness = 1;
+  bool unlit = false;
 };
 
 // What one triangle leaves in a pixel.

@@ -230,7 +230,10 @@ void assemble(SceneBuilder& scene, const SceneDescription& description,
                  [&, &model_name = name](const Placement& placement) { return placement.model == model_name; });
     if (placements.empty()) continue;
     Model model = load_model(sources.of(reference), reference.file);
-    if (progress) progress(fmt::format("{}: {} placed from {}", name, placements.size(), reference.file));
+    if (progress) {
+      progress(fmt::format("{}: {} placed from {}", name, placements.size(), reference.file));
+      for (const std::string& notice : model.notices) progress(fmt::format("{}: {}", name, notice));
+    }
     draw_placed_model(scene, name, model, reference, placements);
   }
   for (std::size_t i = 0; i < description.grass.size(); ++i) draw_grass(scene, description.grass[i], i);

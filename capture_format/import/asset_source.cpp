@@ -8,6 +8,8 @@
 #include <system_error>
 
 #include "capture_format/error.hpp"
+#include "capture_format/import/statements.hpp"
+#include "capture_format/import/text.hpp"
 
 namespace subpixel::capture {
 namespace {
@@ -42,9 +44,37 @@ class Folder final : public AssetSource {
     return std::filesystem::is_regular_file(folder_ / normal_name(name), error);
   }
 
+  std::optional<std::string> find(const std::string& name) const override {
+    if (contains(name)) return normal_name(name);
+    std::filesystem::path found;
+    for (const std::filesystem::path& component : std::filesystem::path(normal_name(name))) {
+      std::error_code error;
+      if (std::filesystem::exists(folder_ / found / component, error)) {
+        found /= component;
+      } else if (const std::optional<std::string> other = in_other_case(folder_ / found, component.string())) {
+        found /= *other;
+      } else {
+        return std::nullopt;
+      }
+    }
+    return contains(found.string()) ? std::optional(found.string()) : std::nullopt;
+  }
+
   std::string describe(const std::string& name) const override { return (folder_ / normal_name(name)).string(); }
 
  private:
+  // The first by name, so that the order of the folder's entries does not matter.
+  static std::optional<std::string> in_other_case(const std::filesystem::path& folder, const std::string& name) {
+    std::optional<std::string> found;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+      std::string candidate = entry.path().filename().string();
+      if (lower_case(candidate) != lower_case(name) || (found && *found < candidate)) continue;
+      found = std::move(candidate);
+    }
+    return found;
+  }
+
   std::filesystem::path folder_;
 };
 
@@ -96,6 +126,15 @@ class Archive final : public AssetSource {
 
   bool contains(const std::string& name) const override { return members_.contains(normal_name(name)); }
 
+  std::optional<std::string> find(const std::string& name) const override {
+    if (contains(name)) return normal_name(name);
+    const std::string wanted = lower_case(normal_name(name));
+    for (const auto& [member, position] : members_) {
+      if (lower_case(member) == wanted) return member;
+    }
+    return std::nullopt;
+  }
+
   std::string describe(const std::string& name) const override { return path_.string() + ", member " + name; }
 
  private:
@@ -112,6 +151,29 @@ std::unique_ptr<AssetSource> open_folder(const std::filesystem::path& folder) {
 
 std::unique_ptr<AssetSource> open_archive(const std::filesystem::path& archive) {
   return std::make_unique<Archive>(archive);
+}
+
+std::optional<std::string> find_beside(const AssetSource& source, const std::vector<std::string>& folders,
+                                       const std::string& name) {
+  std::string bare = name;
+  if (bare.size() >= 2 && bare.front() == '"' && bare.back() == '"') bare = bare.substr(1, bare.size() - 2);
+  if (bare.empty()) return std::nullopt;
+  const auto in_folders = [&](const std::string& spelling) -> std::optional<std::string> {
+    for (const std::string& folder : folders) {
+      const std::filesystem::path path = std::filesystem::path(folder) / normal_name(spelling);
+      if (std::optional<std::string> found = source.find(path.generic_string())) return found;
+    }
+    return std::nullopt;
+  };
+  for (const std::string& spelling : {bare, to_utf8(bare)}) {
+    if (std::optional<std::string> found = in_folders(spelling)) return found;
+  }
+  const std::string last = std::filesystem::path(normal_name(bare)).filename().string();
+  if (last.empty()) return std::nullopt;
+  for (const std::string& spelling : {last, to_utf8(last)}) {
+    if (std::optional<std::string> found = in_folders(spelling)) return found;
+  }
+  return std::nullopt;
 }
 
 std::string normal_name(std::string name) {

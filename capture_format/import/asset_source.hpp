@@ -25,6 +25,10 @@ class AssetSource {
   virtual std::optional<std::vector<std::byte>> read(const std::string& name) const = 0;
   virtual bool contains(const std::string& name) const = 0;
 
+  // The name of the file as it is there: `name` itself, else one that differs in the case of ASCII letters alone, as
+  // files from systems that know no case do; nothing when there is none.
+  virtual std::optional<std::string> find(const std::string& name) const = 0;
+
   // For messages: where `name` was looked for.
   virtual std::string describe(const std::string& name) const = 0;
 };
@@ -34,6 +38,12 @@ std::unique_ptr<AssetSource> open_folder(const std::filesystem::path& folder);
 
 // Names are those of the archive's members. Throws InputError when it is no zip archive.
 std::unique_ptr<AssetSource> open_archive(const std::filesystem::path& archive);
+
+// The file that a name inside a model's file means: in the first of `folders` that has it, in any case of its letters;
+// names in Latin-1 as UTF-8, quotes removed; else, as for paths of other people's machines, its last part in one of
+// the folders. Nothing when there is none.
+std::optional<std::string> find_beside(const AssetSource& source, const std::vector<std::string>& folders,
+                                       const std::string& name);
 
 // `name` with '\' made '/', and "." and ".." resolved: file names inside models come from every system.
 std::string normal_name(std::string name);

@@ -124,6 +124,9 @@ Capture import_model(const std::filesystem::path& path, const ImportOptions& opt
   metadata.application = to_utf8(path.filename().string());
   metadata.tool = kTool;
   metadata.notices = model.notices;
+  for (const std::string& notice : model.notices) {
+    if (options.progress) options.progress(notice);
+  }
   SceneBuilder scene(metadata);
   const std::vector<std::uint32_t> materials = add_materials(scene, model);
   const std::uint32_t frames = options.frames.value_or(10);
@@ -160,10 +163,6 @@ Capture import_model(const std::filesystem::path& path, const ImportOptions& opt
 
 Capture import_description(const std::filesystem::path& path, const ImportOptions& options) {
   const SceneDescription description = read_scene_description(path);
-  if (options.camera == "orbit") {
-    throw UsageError("can't import the scene", "a scene description has a camera of its own, orbit is for models",
-                     "camera");
-  }
   Metadata metadata;
   metadata.title = description.title;
   metadata.application = to_utf8(path.filename().string());
@@ -197,7 +196,17 @@ Capture import_file(const std::filesystem::path& path, const ImportOptions& opti
                      "capture_format/recorder.hpp",
                      path.string());
   }
-  return extension == ".json" ? import_description(path, options) : import_model(path, options);
+  const bool is_description = extension == ".json";
+  if (is_description && options.camera == "orbit") {
+    throw UsageError("can't import the scene", "a scene description has a camera of its own, orbit is for models",
+                     "camera");
+  }
+  try {
+    return is_description ? import_description(path, options) : import_model(path, options);
+  } catch (const UsageError& error) {
+    // What the recorder refuses here is the file's, not the caller's.
+    throw InputError(is_description ? "can't import the scene" : "can't import the model", error.what(), path.string());
+  }
 }
 
 }  // namespace subpixel::capture

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <tuple>
@@ -66,13 +67,14 @@ std::vector<std::uint32_t> set_corner_normals(Mesh& mesh, const std::vector<glm:
   std::vector<std::uint32_t> sources(mesh.positions.size());
   std::iota(sources.begin(), sources.end(), 0u);
   std::vector<bool> taken(mesh.positions.size(), false);
+  constexpr double kSteps = 1 << 20;  // triangles of one polygon are in one plane but for rounding
   std::unordered_map<VertexKey, std::uint32_t, KeyHash> copies;
   for (std::size_t corner = 0; corner < mesh.indices.size(); ++corner) {
     const glm::dvec3& normal = corner_normals[corner];
     if (is_zero(normal)) continue;
     std::uint32_t& vertex = mesh.indices[corner];
-    const auto [copy, is_new] =
-        copies.try_emplace(key_of(vertex, normal), static_cast<std::uint32_t>(mesh.positions.size()));
+    const auto [copy, is_new] = copies.try_emplace(key_of(vertex, glm::round(normal * kSteps)),
+                                                   static_cast<std::uint32_t>(mesh.positions.size()));
     if (is_new && !taken[vertex]) {
       taken[vertex] = true;
       copy->second = vertex;
@@ -159,11 +161,12 @@ SmoothCorners join_smooth_corners(const Mesh& mesh, const std::vector<glm::dvec3
   // thousands meet must not cost their square.
   constexpr std::size_t kMostAtEdge = 8;
   const double crease_cosine = cosine(kCreaseDegrees * kPi / 180);
+  const double group_cosine = cosine(kGroupCreaseDegrees * kPi / 180);
   const auto group_of = [&](std::uint32_t triangle) { return groups.empty() ? kByCreaseAngle : groups[triangle]; };
   const auto is_smooth = [&](std::uint32_t t, std::uint32_t u) {
     if (is_zero(faces[t]) || is_zero(faces[u]) || group_of(t) != group_of(u)) return false;
-    if (group_of(t) != kByCreaseAngle) return group_of(t) != 0;
-    return glm::dot(faces[t], faces[u]) >= crease_cosine;
+    if (group_of(t) == 0) return false;
+    return glm::dot(faces[t], faces[u]) >= (group_of(t) == kByCreaseAngle ? crease_cosine : group_cosine);
   };
   SmoothCorners corners(mesh.indices.size());
   const std::vector<Side> sides = sorted_sides(mesh);

@@ -13,7 +13,11 @@ namespace subpixel::capture {
 // a tube of ten is round.
 inline constexpr double kCreaseDegrees = 40;
 
-// Of one triangle: 0 is none (flat), equal ones are smooth across their edges whatever the angle.
+// The same where the file says that faces are smooth. Many exporters put all faces of an object into one smoothing
+// group, whose right angles are not meant to be round; a tube of six sides is.
+inline constexpr double kGroupCreaseDegrees = 70;
+
+// Of one triangle: 0 is none (flat), equal ones are smooth across edges of up to kGroupCreaseDegrees.
 using SmoothingGroup = std::uint32_t;
 inline constexpr SmoothingGroup kByCreaseAngle = 0xffffffffu;
 

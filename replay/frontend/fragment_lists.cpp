@@ -186,12 +186,13 @@ void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setu
     compute.bindings = pass.bindings;
     compute.bindings.push_back(gpu::uniform(scene.frame_constants));
     compute.bindings.push_back(gpu::reads(0, *lists.addresses));
+    compute.bindings.push_back(gpu::reads(9, scene.uv_mappings));
     compute.bindings.push_back(gpu::reads(10, scene.materials));
     compute.by_address = pass.by_address;
-    compute.by_address.insert(
-        compute.by_address.end(),
-        {lists.fragments, lists.numbers, lists.ends, &frontend.records(), &scene.positions, &scene.normals, &scene.uvs,
-         &scene.tangents, &scene.indices, &frontend.clip_matrices(), &scene.instances});
+    compute.by_address.insert(compute.by_address.end(),
+                              {lists.fragments, lists.numbers, lists.ends, &frontend.records(), &scene.positions,
+                               &scene.normals, &scene.uvs, &scene.tangents, &scene.indices, &frontend.clip_matrices(),
+                               &scene.instances, &scene.second_uvs, &scene.colours});
     compute.push = gpu::PushConstants(push);
     compute.material = scene.material_set(batch.material);
     compute.groups = {row, (groups + row - 1) / row, 1};

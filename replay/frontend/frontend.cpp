@@ -333,6 +333,8 @@ HullPush Frontend::hull_push() const {
   push.indices = scene_.indices.address();
   push.clip_matrices = clip_matrices_.address();
   push.instances = scene_.instances.address();
+  push.second_uvs = scene_.second_uvs.address();
+  push.colours = scene_.colours.address();
   push.triangle_slots = triangle_slots();
   return push;
 }
@@ -377,6 +379,7 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   alpha.fragment = geometry.fragment_alpha;
   pass.pipeline = opaque;
   pass.bindings.push_back(gpu::uniform(scene_.frame_constants));
+  pass.bindings.push_back(gpu::reads(9, scene_.uv_mappings));
   pass.bindings.push_back(gpu::reads(10, scene_.materials));
   const bool visible_only = geometry.by_material && visible_known_;
   pass.triangles = visible_only ? gpu::Triangles::visible : gpu::Triangles::all;
@@ -388,7 +391,7 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   pass.indices_and_indirect = {&indices, &commands};
   pass.by_address.insert(pass.by_address.end(),
                          {&records_, &scene_.positions, &scene_.normals, &scene_.uvs, &scene_.tangents, &scene_.indices,
-                          &clip_matrices_, &scene_.instances});
+                          &clip_matrices_, &scene_.instances, &scene_.second_uvs, &scene_.colours});
 
   const auto& batches = geometry.by_material ? material_batches_ : visibility_batches_;
   pass.draws = [this, push, opaque, alpha, &batches, &commands, &indices,

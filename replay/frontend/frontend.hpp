@@ -15,7 +15,7 @@ enum class AlphaDecision : std::uint32_t { to_coverage = 0, test = 1, per_sample
 
 // Push constants of hull.vert and fragment.glsl.
 struct HullPush {
-  std::uint64_t records, positions, normals, uvs, tangents, indices, clip_matrices, instances;
+  std::uint64_t records, positions, normals, uvs, tangents, indices, clip_matrices, instances, second_uvs, colours;
   std::uint32_t material, triangle_slots;
 };
 

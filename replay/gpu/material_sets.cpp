@@ -43,8 +43,8 @@ MaterialSets::~MaterialSets() {
   vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
 }
 
-VkDescriptorSet MaterialSets::set_of(const std::array<Image*, kMaterialTextures>& images, const Sampler& sampler) {
-  auto& set = sets_[images];
+VkDescriptorSet MaterialSets::set_of(const std::array<MaterialTexture, kMaterialTextures>& textures) {
+  auto& set = sets_[textures];
   if (set) return set;
   const VkDescriptorSetLayout layout = device_.pipelines().material_set_layout();
   VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
@@ -55,8 +55,8 @@ VkDescriptorSet MaterialSets::set_of(const std::array<Image*, kMaterialTextures>
   std::array<VkDescriptorImageInfo, kMaterialTextures> infos;
   std::array<VkWriteDescriptorSet, kMaterialTextures> writes;
   for (std::uint32_t i = 0; i < kMaterialTextures; ++i) {
-    make_sampled(device_, *images[i]);
-    infos[i] = {sampler.handle(), images[i]->view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    make_sampled(device_, *textures[i].image);
+    infos[i] = {textures[i].sampler->handle(), textures[i].image->view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
     writes[i].dstSet = set;
     writes[i].dstBinding = i;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <map>
 
@@ -9,6 +10,14 @@
 #include "replay/gpu/resources.hpp"
 
 namespace subpixel::gpu {
+
+// How shaders see one texture of a material. Both must outlive the sets.
+struct MaterialTexture {
+  Image* image = nullptr;
+  const Sampler* sampler = nullptr;
+  // NOLINTNEXTLINE(modernize-use-nullptr): it takes the 0 that a comparison's result is held against for a pointer
+  auto operator<=>(const MaterialTexture&) const = default;
+};
 
 class MaterialSets {
  public:
@@ -18,14 +27,14 @@ class MaterialSets {
   MaterialSets(const MaterialSets&) = delete;
   MaterialSets& operator=(const MaterialSets&) = delete;
 
-  // The set with these images, in the order of the bindings; equal ones share one set. The images are only sampled
-  // from here on: the first use moves them to that layout. `sampler` must be the same in all calls.
-  VkDescriptorSet set_of(const std::array<Image*, kMaterialTextures>& images, const Sampler& sampler);
+  // The set with these textures, in the order of the bindings; equal ones share one set. The images are only sampled
+  // from here on: the first use moves them to that layout.
+  VkDescriptorSet set_of(const std::array<MaterialTexture, kMaterialTextures>& textures);
 
  private:
   Device& device_;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
-  std::map<std::array<Image*, kMaterialTextures>, VkDescriptorSet> sets_;
+  std::map<std::array<MaterialTexture, kMaterialTextures>, VkDescriptorSet> sets_;
 };
 
 }  // namespace subpixel::gpu

@@ -55,9 +55,7 @@ PassRecorder::Framebuffers::~Framebuffers() {
 }
 
 PassRecorder::PassRecorder(Device& device)
-    : device_(device),
-      nearest_(device, {VK_FILTER_NEAREST, VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE}),
-      framebuffers_{device, {}} {}
+    : device_(device), nearest_(device, kNearestClamped), framebuffers_{device, {}} {}
 
 Buffer& PassRecorder::buffer(std::string name, VkDeviceSize bytes) {
   return buffers_.emplace_back(device_, std::move(name), bytes);

@@ -149,9 +149,11 @@ Image& Image::operator=(Image&& other) noexcept {
 
 Sampler::Sampler(Device& device, const SamplerDescription& description) : device_(&device) {
   VkSamplerCreateInfo create{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
-  create.magFilter = create.minFilter = description.filter;
+  create.magFilter = description.magnify;
+  create.minFilter = description.minify;
   create.mipmapMode = description.mipmap;
-  create.addressModeU = create.addressModeV = create.addressModeW = description.address;
+  create.addressModeU = create.addressModeW = description.address_u;
+  create.addressModeV = description.address_v;
   create.maxLod = VK_LOD_CLAMP_NONE;
   create.borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE;
   check(vkCreateSampler(device.handle(), &create, nullptr, &sampler_), "vkCreateSampler");

@@ -92,10 +92,13 @@ class Image {
 };
 
 struct SamplerDescription {
-  VkFilter filter = VK_FILTER_LINEAR;
+  VkFilter magnify = VK_FILTER_LINEAR, minify = VK_FILTER_LINEAR;
   VkSamplerMipmapMode mipmap = VK_SAMPLER_MIPMAP_MODE_LINEAR;
-  VkSamplerAddressMode address = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+  VkSamplerAddressMode address_u = VK_SAMPLER_ADDRESS_MODE_REPEAT, address_v = VK_SAMPLER_ADDRESS_MODE_REPEAT;
 };
+inline constexpr SamplerDescription kNearestClamped{
+    VK_FILTER_NEAREST, VK_FILTER_NEAREST, VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+    VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
 
 class Sampler {
  public:

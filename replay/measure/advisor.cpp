@@ -9,13 +9,15 @@
 #include <tuple>
 
 #include "capture_format/error.hpp"
+#include "capture_format/printable.hpp"
 
 namespace subpixel::replay {
 namespace {
 
 std::string name_of(const Summary& summary, const ParameterValues& common) {
   const std::string parameters = parameters_text(own_parameters(summary.parameters, common));
-  return fmt::format("{} {}x{}{}", summary.technique, summary.samples, parameters.empty() ? "" : " ", parameters);
+  return fmt::format("{} {}x{}{}", printable(summary.technique), summary.samples, parameters.empty() ? "" : " ",
+                     parameters);
 }
 
 double cost_of(const Summary& summary, Cost cost) {

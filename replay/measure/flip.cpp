@@ -150,6 +150,12 @@ void compare(const FlipContext& context, const LinearPlanes& reference, const Li
           [&](int first, int end) { flip_rows_here(context, reference, test, exposure, first, end, maps); });
 }
 
+// The filters pass over pixels that have no value; what they leave there would say "equal".
+void mark_not_finite_errors(const Image& reference, const Image& test, Image& map) {
+  for (std::size_t i = 0; i < map.pixels.size(); ++i)
+    if (!is_finite(reference, i) || !is_finite(test, i)) map.pixels[i] = 1;
+}
+
 FlipResult pooled(Image map) {
   FlipResult result;
   result.map = std::move(map);
@@ -173,6 +179,7 @@ FlipResult flip(const Image& reference, const Image& test, const FlipOptions& op
   const FlipContext context = make_context(options);
   compare(context, {context.decode, reference, options.threads}, {context.decode, test, options.threads}, std::nullopt,
           options.threads, {map, nullptr});
+  mark_not_finite_errors(reference, test, map);
   return pooled(std::move(map));
 }
 
@@ -192,6 +199,7 @@ HdrFlipResult hdr_flip(const Image& reference, const Image& test, const FlipOpti
     const Exposure here{static_cast<float>(std::exp2(exposure)), static_cast<std::uint16_t>(i)};
     compare(context, reference_planes, test_planes, here, options.threads, {map, &result.at});
   }
+  mark_not_finite_errors(reference, test, map);
   result.error = pooled(std::move(map));
   return result;
 }

@@ -30,8 +30,9 @@ struct FlipResult {
   double weighted_first_quartile = 0, weighted_median = 0, weighted_third_quartile = 0;
 };
 
-// Both images are display images of the same size, with 1, 3 or 4 channels; values are clamped to 0..1 and NaN counts
-// as 0. FLIP is symmetric. Throws InputError when the sizes differ or the pixels per degree are not in 1 to 1000.
+// Both images are display images of the same size, with 1, 3 or 4 channels; values are clamped to 0..1. A pixel
+// that is NaN or infinite in one of them has the largest error, 1; its neighbours' filters take it for black. FLIP is
+// symmetric. Throws InputError when the sizes differ or the pixels per degree are not in 1 to 1000.
 FlipResult flip(const Image& reference, const Image& test, const FlipOptions& options = {});
 
 // FLIP of linear images: the largest FLIP that a pixel has at any exposure a viewer might choose.
@@ -44,11 +45,11 @@ struct HdrFlipResult {
   std::vector<std::uint16_t> at;  // for each pixel, the first exposure, from 0, that has its error
 };
 
-// Both images are linear. Negative values and NaN count as 0, infinite ones as the largest float. The range of
-// exposures comes from the reference alone: the first brings its largest luminance to 0.85 of the display's range, the
-// last its median. So HDR-FLIP is symmetric only between images of the same luminances. Where the paper's formulae
-// have no value (a median of 0) the median is that of the luminances above 0; a black reference is compared as it is.
-// Throws InputError as flip() does.
+// Both images are linear. Negative values count as 0, pixels that are not finite as in flip(). The range of exposures
+// comes from the reference alone, from its finite pixels: the first brings its largest luminance to 0.85 of the
+// display's range, the last its median. So HDR-FLIP is symmetric only between images of the same luminances. Where the
+// paper's formulae have no value (a median of 0) the median is that of the luminances above 0; a black reference is
+// compared as it is. Throws InputError as flip() does.
 HdrFlipResult hdr_flip(const Image& reference, const Image& test, const FlipOptions& options = {});
 
 }  // namespace subpixel::replay

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace subpixel::replay {
@@ -18,7 +17,7 @@ double before_shoulder() {
 }
 
 float usable(float value) {
-  return value > 0 ? std::min(value, std::numeric_limits<float>::max()) : 0.0f;
+  return value > 0 ? value : 0.0f;
 }
 
 // Rearranges the values.
@@ -35,6 +34,7 @@ ExposureRange exposure_range(const Image& reference) {
   luminances.reserve(reference.pixels.size() / reference.channels);
   const bool grey = reference.colour_channels() == 1;
   for (std::size_t i = 0; i < reference.pixels.size(); i += reference.channels) {
+    if (!is_finite(reference, i / reference.channels)) continue;
     const auto at = [&](std::size_t c) { return static_cast<double>(usable(reference.pixels[i + (grey ? 0 : c)])); };
     luminances.push_back(0.2126 * at(0) + 0.7152 * at(1) + 0.0722 * at(2));
   }

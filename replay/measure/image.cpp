@@ -4,7 +4,9 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -43,25 +45,6 @@ OIIO::ImageSpec spec_for(const Image& image, const OIIO::TypeDesc& type) {
   return spec;
 }
 
-// First four channels at most. `name` stands in messages.
-Image read_pixels(const std::unique_ptr<OIIO::ImageInput>& input, const std::string& name) {
-  const auto fail = [&](const std::string& why) { throw InputError("image", why, name); };
-  if (!input) fail(OIIO::geterror());
-  const OIIO::ImageSpec& spec = input->spec();
-  const auto in_bounds = [](int side) { return side > 0 && side <= static_cast<int>(max_image_side); };
-  if (!in_bounds(spec.width) || !in_bounds(spec.height) || spec.nchannels < 1) {
-    fail("size " + std::to_string(spec.width) + "x" + std::to_string(spec.height) + " is outside 1 to " +
-         std::to_string(max_image_side));
-  }
-  // Two channels are grey with alpha; the grey alone is the picture.
-  const int channels = spec.nchannels == 2 ? 1 : std::min(spec.nchannels, 4);
-  Image image(static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height),
-              static_cast<std::uint32_t>(channels),
-              spec.format.is_floating_point() ? Encoding::linear : Encoding::display);
-  if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, image.pixels.data())) fail(input->geterror());
-  return image;
-}
-
 }  // namespace
 
 float srgb_encode(float linear) {
@@ -74,6 +57,23 @@ float srgb_decode(float display) {
   return display <= 0.04045F ? display / 12.92F : std::pow((display + 0.055F) / 1.055F, 2.4F);
 }
 
+bool is_finite(const Image& image, std::size_t pixel) {
+  const float* const colours = &image.pixels[pixel * image.channels];
+  bool finite = true;
+  for (std::uint32_t c = 0; c < image.colour_channels(); ++c) finite = finite && std::isfinite(colours[c]);
+  return finite;
+}
+
+void mark_not_finite(const Image& linear, Image& display) {
+  assert(linear.width == display.width && linear.height == display.height);
+  const std::size_t pixels = std::size_t{linear.width} * linear.height;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (is_finite(linear, i)) continue;
+    float* const colours = &display.pixels[i * display.channels];
+    std::fill_n(colours, display.colour_channels(), std::numeric_limits<float>::quiet_NaN());
+  }
+}
+
 Image to_display(const Image& image) {
   if (image.encoding == Encoding::display) return image;
   Image display = image;
@@ -83,26 +83,8 @@ Image to_display(const Image& image) {
     const float clamped = std::clamp(display.pixels[i], 0.0F, 1.0F);
     display.pixels[i] = i % image.channels < colour ? srgb_encode(clamped) : clamped;
   }
+  mark_not_finite(image, display);
   return display;
-}
-
-Image read_image(const std::filesystem::path& path) {
-  OIIO::ImageSpec wanted;
-  wanted.attribute("oiio:UnassociatedAlpha", 1);
-  return read_pixels(OIIO::ImageInput::open(path.string(), &wanted), path.string());
-}
-
-Image decode_png(std::string_view bytes) {
-  OIIO::Filesystem::IOMemReader memory(const_cast<char*>(bytes.data()), bytes.size());  // is only read from
-  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create("png");
-  OIIO::ImageSpec wanted, found;
-  wanted.attribute("oiio:UnassociatedAlpha", 1);
-  if (!input || !input->set_ioproxy(&memory) || !input->open("memory.png", found, wanted)) {
-    throw InputError("image", input ? input->geterror() : OIIO::geterror(), "PNG in memory");
-  }
-  Image image = read_pixels(input, "PNG in memory");
-  input.reset();  // before what it reads from
-  return image;
 }
 
 std::vector<std::uint8_t> encode_png(const Image& image) {

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -38,18 +37,18 @@ float srgb_encode(float linear);
 float srgb_decode(float display);
 
 // Clamps linear colour to 0..1 and encodes it; a fourth channel is clamped only. No tone curve: that is the shading
-// model's. A display image comes back as it is.
+// model's. A pixel with a colour that is NaN or infinite becomes NaN in all colours, which every metric counts as the
+// largest difference. A display image comes back as it is.
 Image to_display(const Image& image);
+
+// What to_display() does to pixels that are not finite, for a display image that was made otherwise, of the same size.
+void mark_not_finite(const Image& linear, Image& display);
+
+// Whether all of a pixel's colours are finite; `pixel` is its index in row-major order.
+bool is_finite(const Image& image, std::size_t pixel);
 
 // Largest side that is read or written; beyond it an image is taken for damaged.
 inline constexpr std::uint32_t max_image_side = 32768;
-
-// Any format OpenImageIO reads, first four channels at most. Integer formats give display values, float formats linear
-// ones. Throws InputError naming the file.
-Image read_image(const std::filesystem::path& path);
-
-// A PNG in memory, as encode_png() makes them. Throws InputError.
-Image decode_png(std::string_view bytes);
 
 // 8 bits a channel, rounded to nearest; NaN writes 0. 1, 3 or 4 channels. The same image gives the same bytes.
 std::vector<std::uint8_t> encode_png(const Image& image);

@@ -78,8 +78,9 @@ double ssim_of(const Moments& m) {
   const double variance_a = m[2] - m[0] * m[0];
   const double variance_b = m[3] - m[1] * m[1];
   const double covariance = m[4] - m[0] * m[1];
-  return (2 * m[0] * m[1] + c1) * (2 * covariance + c2) /
-         ((m[0] * m[0] + m[1] * m[1] + c1) * (variance_a + variance_b + c2));
+  const double similarity = (2 * m[0] * m[1] + c1) * (2 * covariance + c2) /
+                            ((m[0] * m[0] + m[1] * m[1] + c1) * (variance_a + variance_b + c2));
+  return std::isfinite(similarity) ? similarity : -1;
 }
 
 }  // namespace
@@ -101,7 +102,7 @@ double mse(const Image& reference, const Image& test) {
   assert(reference.encoding == Encoding::display && test.encoding == Encoding::display);
   return mean_over_colour(reference, test, [&](std::size_t r, std::size_t t) {
     const double difference = static_cast<double>(test.pixels[t]) - static_cast<double>(reference.pixels[r]);
-    return difference * difference;
+    return std::isfinite(difference) ? difference * difference : 1.0;
   });
 }
 
@@ -115,7 +116,7 @@ double hdr_relative_mse(const Image& reference, const Image& test) {
   return mean_over_colour(reference, test, [&](std::size_t r, std::size_t t) {
     const double expected = reference.pixels[r];
     const double difference = static_cast<double>(test.pixels[t]) - expected;
-    return difference * difference / (expected * expected + 0.01);
+    return std::isfinite(difference) ? difference * difference / (expected * expected + 0.01) : relative_error_limit;
   });
 }
 
@@ -159,7 +160,8 @@ double flicker(const Image& reference_before, const Image& reference_after, cons
       const float* t0 = &test_before.pixels[test_before.offset(x, y)];
       const float* t1 = &test_after.pixels[test_after.offset(x, y)];
       for (std::uint32_t c = 0; c < colour; ++c) {
-        row += std::abs((static_cast<double>(t1[c]) - t0[c]) - (static_cast<double>(r1[c]) - r0[c]));
+        const double change = std::abs((static_cast<double>(t1[c]) - t0[c]) - (static_cast<double>(r1[c]) - r0[c]));
+        row += std::isfinite(change) ? change : 2.0;
       }
     }
     sum += row;
@@ -176,7 +178,10 @@ Image error_map(const Image& reference, const Image& test) {
       const float* r = &reference.pixels[reference.offset(x, y)];
       const float* t = &test.pixels[test.offset(x, y)];
       float largest = 0;
-      for (std::uint32_t c = 0; c < colour; ++c) largest = std::max(largest, std::abs(t[c] - r[c]));
+      for (std::uint32_t c = 0; c < colour; ++c) {
+        const float difference = std::abs(t[c] - r[c]);
+        largest = std::max(largest, std::isfinite(difference) ? difference : 1.0F);
+      }
       map.pixels[map.offset(x, y)] = largest;
     }
   }
@@ -194,6 +199,12 @@ std::uint64_t invalid_pixels(const Image& image) {
     invalid += valid ? 0 : 1;
   }
   return invalid;
+}
+
+std::uint64_t not_finite_pixels(const Image& image) {
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < std::size_t{image.width} * image.height; ++i) count += is_finite(image, i) ? 0 : 1;
+  return count;
 }
 
 }  // namespace subpixel::replay

@@ -51,7 +51,8 @@ Results read_results(const std::filesystem::path& path) {
 }
 
 void write_results(const std::filesystem::path& path, const Results& results) {
-  write_file_atomically(path, std::string_view(to_json(results).dump(1) + "\n"));
+  write_file_atomically(
+      path, std::string_view(to_json(results).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"));
 }
 
 }  // namespace subpixel::replay

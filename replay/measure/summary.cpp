@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "capture_format/printable.hpp"
+
 namespace subpixel::replay {
 namespace {
 
@@ -101,7 +103,7 @@ std::string parameters_text(const ParameterValues& parameters, std::string_view 
   for (const auto& [name, value] : parameters) {
     if (name == "samples") continue;
     if (!text.empty()) text += separator;
-    text += name + "=" + (value.is_string() ? value.get<std::string>() : value.dump());
+    text += printable(name + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
   }
   return text;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "capture_format/printable.hpp"
 #include "replay/measure/summary.hpp"
 #include "replay/results.hpp"
 
@@ -83,7 +84,7 @@ std::string head_block(const Results& results, const ParameterValues& common, co
   std::set<std::uint32_t> frames;
   for (const FrameResult& result : results.results) frames.insert(result.frame);
   std::string out;
-  out += fmt::format("capture    {}{}\n", known(head.capture_title), hash.empty() ? "" : " (" + hash + ")");
+  out += fmt::format("capture    {}{}\n", known(printable(head.capture_title)), hash.empty() ? "" : " (" + hash + ")");
   out += fmt::format("frames     {} of {}x{}, {} triangles in the first, {} point lights\n", frames.size(), head.width,
                      head.height, with_thousands(head.triangles_first_frame), head.point_lights);
   out += fmt::format("driver     {} {}, {}\n", known(head.driver), head.driver_version, known(head.device));

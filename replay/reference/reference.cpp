@@ -15,7 +15,7 @@ namespace {
 
 struct ReferencePush {
   VkDeviceAddress corners, triangles, indices, normals, uvs, tangents, instances, texels, sums, compensation,
-      display_sums;
+      display_sums, second_uvs, colours;
 };
 
 constexpr std::uint32_t kGroupSide = 8;  // of the compute passes' workgroups
@@ -59,9 +59,11 @@ gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, g
   pass.depth = &depth;
   pass.clear_colours = {{0, 0, 0, 0}};
   pass.clear_depth = 0;
-  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, work.turn), gpu::reads(1, scene.materials),
-                   gpu::reads(2, work.textures.levels), gpu::reads(3, work.textures.materials)};
-  pass.by_address = {&work.corners, &work.triangles, &scene.indices, &scene.uvs, &work.textures.texels};
+  pass.bindings = {gpu::uniform(scene.frame_constants),    gpu::reads(0, work.turn),
+                   gpu::reads(1, scene.materials),         gpu::reads(2, work.textures.levels),
+                   gpu::reads(3, work.textures.materials), gpu::reads(4, scene.uv_mappings)};
+  pass.by_address = {&work.corners,     &work.triangles, &scene.indices,       &scene.uvs,
+                     &scene.second_uvs, &scene.colours,  &work.textures.texels};
   pass.push = gpu::PushConstants(push);
   gpu::RasterDescription solid = pass.pipeline, tested = pass.pipeline;
   tested.fragment = "reference/visibility.frag:TESTED";
@@ -81,11 +83,13 @@ gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scen
   pass.name = name;
   pass.shader = shader;
   pass.constants = {{1, scene.features().bits}, {2, options.shading_model}, {3, options.tone_map_samples ? 1u : 0u}};
-  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, work.turn), gpu::reads(1, scene.materials),
-                   gpu::reads(2, work.textures.levels), gpu::reads(3, work.textures.materials)};
-  pass.by_address = {&work.corners, &work.triangles,    &scene.indices,    &scene.normals,
-                     &scene.uvs,    &scene.tangents,    &scene.instances,  &work.textures.texels,
-                     &work.sums,    &work.compensation, &work.display_sums};
+  pass.bindings = {gpu::uniform(scene.frame_constants),    gpu::reads(0, work.turn),
+                   gpu::reads(1, scene.materials),         gpu::reads(2, work.textures.levels),
+                   gpu::reads(3, work.textures.materials), gpu::reads(4, scene.uv_mappings),
+                   gpu::reads(8, scene.spot_cones)};
+  pass.by_address = {&scene.second_uvs, &scene.colours,     &work.corners,     &work.triangles,  &scene.indices,
+                     &scene.normals,    &scene.uvs,         &scene.tangents,   &scene.instances, &work.textures.texels,
+                     &work.sums,        &work.compensation, &work.display_sums};
   pass.push = gpu::PushConstants(push);
   const auto& size = scene.constants().viewport;
   pass.groups = {groups(static_cast<std::uint32_t>(size.x)), groups(static_cast<std::uint32_t>(size.y)), 1};
@@ -115,9 +119,10 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   work.compensation = gpu::Buffer(device, "reference compensation", pixels * 16);
   work.display_sums = gpu::Buffer(device, "reference display sums", options.tone_map_samples ? pixels * 16 : 0);
   const ReferencePush push{
-      work.corners.address(), work.triangles.address(),    scene.indices.address(),    scene.normals.address(),
-      scene.uvs.address(),    scene.tangents.address(),    scene.instances.address(),  work.textures.texels.address(),
-      work.sums.address(),    work.compensation.address(), work.display_sums.address()};
+      work.corners.address(), work.triangles.address(),    scene.indices.address(),     scene.normals.address(),
+      scene.uvs.address(),    scene.tangents.address(),    scene.instances.address(),   work.textures.texels.address(),
+      work.sums.address(),    work.compensation.address(), work.display_sums.address(), scene.second_uvs.address(),
+      scene.colours.address()};
 
   gpu::PassRecorder turns(device), finish(device);
   gpu::ImageDescription target;

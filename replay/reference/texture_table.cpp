@@ -11,6 +11,19 @@
 #include "shaders/reference/reference_types.h"
 
 namespace subpixel::replay {
+namespace {
+
+std::uint32_t level_bits(const Mipmaps& mipmaps, const capture::Sampler& sampler) {
+  std::uint32_t bits = mipmaps.srgb ? LEVEL_SRGB : 0u;
+  bits |= static_cast<std::uint32_t>(sampler.wrap_u) << LEVEL_WRAP_U_SHIFT;
+  bits |= static_cast<std::uint32_t>(sampler.wrap_v) << LEVEL_WRAP_V_SHIFT;
+  if (sampler.magnify == capture::TexelFilter::nearest) bits |= LEVEL_MAGNIFY_NEAREST;
+  if (sampler.minify == capture::TexelFilter::nearest) bits |= LEVEL_MINIFY_NEAREST;
+  if (sampler.mip == capture::MipFilter::nearest) bits |= LEVEL_MIP_NEAREST;
+  return bits;
+}
+
+}  // namespace
 
 TextureTable make_texture_table(gpu::Device& device, const capture::Capture& capture) {
   std::vector<gpu_types::TextureLevel> levels;
@@ -21,9 +34,10 @@ TextureTable make_texture_table(gpu::Device& device, const capture::Capture& cap
     const auto& mipmaps = textures.emplace_back(load_texture(capture, use));
     references[use.texture] =
         static_cast<std::uint32_t>(levels.size()) | static_cast<std::uint32_t>(mipmaps.levels.size()) << 24;
+    const std::uint32_t bits = level_bits(mipmaps, capture.textures[use.texture].sampler);
     for (std::size_t l = 0; l < mipmaps.levels.size(); ++l) {
       levels.push_back({{static_cast<std::uint32_t>(texels), std::max(1u, mipmaps.width >> l),
-                         std::max(1u, mipmaps.height >> l), mipmaps.srgb ? 1u : 0u}});
+                         std::max(1u, mipmaps.height >> l), bits}});
       texels += mipmaps.levels[l].size() / 4;
     }
   }

@@ -5,17 +5,19 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <limits>
 #include <unordered_map>
 
 #include "capture_format/error.hpp"
 #include "capture_format/streams.hpp"
+#include "replay/scene/materials.hpp"
 #include "replay/scene/tangents.hpp"
 
 namespace subpixel::replay {
 namespace {
 
-using Key = std::array<std::uint64_t, 20>;
+using Key = std::array<std::uint64_t, 28>;
 struct KeyHash {
   std::size_t operator()(const Key& key) const { return XXH3_64bits(key.data(), sizeof key); }
 };
@@ -40,6 +42,12 @@ void put_indices(Key& key, std::size_t at, const capture::Draw& draw) {
   key[at + 3] = static_cast<std::uint64_t>(static_cast<std::int64_t>(draw.base_vertex));
 }
 
+void put_mapping(Key& key, std::size_t at, const capture::UvMapping& mapping) {
+  key[at] = mapping.set;
+  for (std::size_t i = 0; i < mapping.matrix.size(); ++i)
+    key[at + 1 + i / 2] |= std::uint64_t{std::bit_cast<std::uint32_t>(mapping.matrix[i])} << 32 * (i % 2);
+}
+
 // Unit, or the object's z axis for a vector without direction.
 glm::vec3 unit(const glm::vec3& v) {
   const float scale = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -49,7 +57,11 @@ glm::vec3 unit(const glm::vec3& v) {
 }
 
 float finite_uv(float value) {
-  return std::abs(value) <= 1e6f ? value : 0.0f;
+  return std::abs(value) <= kLargestUv ? value : 0.0f;
+}
+
+float finite_colour(float value) {
+  return value > 0 && value <= 1e6f ? value : 0.0f;
 }
 
 glm::vec3 vec3_at(const std::vector<float>& values, std::size_t i) {
@@ -58,8 +70,20 @@ glm::vec3 vec3_at(const std::vector<float>& values, std::size_t i) {
 
 // One vertex set in plain arrays, before it goes to its place.
 struct DecodedSet {
-  std::vector<float> positions, normals, uvs, tangents;
+  std::vector<float> positions, normals, uvs, tangents, second_uvs, colours;
 };
+
+// The coordinates that a texture with this mapping is read by.
+std::vector<float> mapped_uvs(const DecodedSet& set, const capture::UvMapping& mapping) {
+  std::vector<float> uvs = mapping.set == 0 ? set.uvs : set.second_uvs;
+  const auto& m = mapping.matrix;
+  for (std::size_t i = 0; i + 2 <= uvs.size(); i += 2) {
+    const float u = uvs[i], v = uvs[i + 1];
+    uvs[i] = m[0] * u + m[1] * v + m[2];
+    uvs[i + 1] = m[3] * u + m[4] * v + m[5];
+  }
+  return uvs;
+}
 
 // Repeats elements of `width` floats in the order of `order`; an absent stream stays absent.
 std::vector<float> expanded(const std::vector<float>& values, std::size_t width,
@@ -84,6 +108,10 @@ std::vector<float> flat_normals(const std::vector<float>& corners) {
   return normals;
 }
 
+capture::UvMapping normal_mapping(const capture::Material& material) {
+  return uv_mappings_of(material)[2];
+}
+
 DecodedSet decode(const capture::Capture& capture, const VertexSet& set, VertexNeeds needs) {
   const auto& draw = draw_of(capture, set.source);
   DecodedSet decoded;
@@ -91,7 +119,11 @@ DecodedSet decode(const capture::Capture& capture, const VertexSet& set, VertexN
   decoded.normals = capture::decode_stream(capture, draw.normal, draw.vertex_count, 3);
   if (needs.uvs) decoded.uvs = capture::decode_stream(capture, draw.uv, draw.vertex_count, 2);
   if (needs.tangents) decoded.tangents = capture::decode_stream(capture, draw.tangent, draw.vertex_count, 4);
+  if (needs.second_uvs) decoded.second_uvs = capture::decode_stream(capture, draw.uv2, draw.vertex_count, 2);
+  if (needs.colours) decoded.colours = capture::decode_stream(capture, draw.colour, draw.vertex_count, 4);
   for (float& value : decoded.uvs) value = finite_uv(value);
+  for (float& value : decoded.second_uvs) value = finite_uv(value);
+  for (float& value : decoded.colours) value = finite_colour(value);
   for (float& value : decoded.tangents)
     if (!(std::abs(value) <= 1e6f)) value = 0;
   for (std::size_t i = 0; i < decoded.normals.size() / 3; ++i) {
@@ -104,10 +136,15 @@ DecodedSet decode(const capture::Capture& capture, const VertexSet& set, VertexN
     decoded.positions = expanded(decoded.positions, 3, order);
     decoded.uvs = expanded(decoded.uvs, 2, order);
     decoded.tangents = expanded(decoded.tangents, 4, order);
+    decoded.second_uvs = expanded(decoded.second_uvs, 2, order);
+    decoded.colours = expanded(decoded.colours, 4, order);
     decoded.normals = flat_normals(decoded.positions);
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   }
-  if (set.make_tangents) decoded.tangents = tangents_from_uvs(decoded.positions, decoded.normals, decoded.uvs, order);
+  if (set.make_tangents) {
+    const auto uvs = mapped_uvs(decoded, normal_mapping(capture.materials[draw.material]));
+    decoded.tangents = tangents_from_uvs(decoded.positions, decoded.normals, uvs, order);
+  }
   return decoded;
 }
 
@@ -128,10 +165,13 @@ GeometryPlan plan_geometry(const capture::Capture& capture, VertexNeeds needs) {
     mesh_of_draw.reserve(draws.size());
     for (std::uint32_t d = 0; d < draws.size(); ++d) {
       const auto& draw = draws[d];
-      const bool mapped = capture.materials[draw.material].normal_texture != capture::kNone;
+      const auto& material = capture.materials[draw.material];
+      const bool mapped = textures_of(material)[2] != capture::kNone;
+      const capture::UvMapping mapping = normal_mapping(material);
       VertexSet set{{f, d}, 0, draw.vertex_count, draw.normal.buffer == capture::kNone, false};
-      set.make_tangents = needs.tangents && mapped && draw.tangent.buffer == capture::kNone && needs.uvs &&
-                          draw.uv.buffer != capture::kNone;
+      const bool has_uvs = mapping.set == 0 ? needs.uvs && draw.uv.buffer != capture::kNone
+                                            : needs.second_uvs && draw.uv2.buffer != capture::kNone;
+      set.make_tangents = needs.tangents && mapped && draw.tangent.buffer == capture::kNone && has_uvs;
       Key key{};
       put_stream(key, 0, draw.position, true);
       put_stream(key, 3, draw.normal, true);
@@ -141,6 +181,9 @@ GeometryPlan plan_geometry(const capture::Capture& capture, VertexNeeds needs) {
       key[13] = (set.flat ? 1u : 0u) | (set.make_tangents ? 2u : 0u);
       // What is made from triangles belongs to one index range.
       if (set.flat || set.make_tangents) put_indices(key, 14, draw);
+      put_stream(key, 18, draw.uv2, needs.second_uvs);
+      put_stream(key, 21, draw.colour, needs.colours);
+      if (set.make_tangents) put_mapping(key, 24, mapping);
       if (set.flat) set.vertex_count = draw.index_count;
       const auto [vertex_set, new_set] = sets.try_emplace(key, static_cast<std::uint32_t>(plan.vertex_sets.size()));
       if (new_set) {
@@ -178,11 +221,14 @@ std::vector<Bounds> fill_geometry(const capture::Capture& capture, const Geometr
   std::vector<Bounds> bounds(plan.meshes.size());
   for (std::size_t s = 0; s < plan.vertex_sets.size(); ++s) {
     const auto& set = plan.vertex_sets[s];
-    const DecodedSet decoded = decode(capture, set, plan.needs);
+    DecodedSet decoded = decode(capture, set, plan.needs);
     put(arrays.positions, set.first_vertex, 3, decoded.positions);
     put(arrays.normals, set.first_vertex, 3, decoded.normals);
     if (plan.needs.uvs) put(arrays.uvs, set.first_vertex, 2, decoded.uvs);
     if (plan.needs.tangents) put(arrays.tangents, set.first_vertex, 4, decoded.tangents);
+    if (plan.needs.second_uvs) put(arrays.second_uvs, set.first_vertex, 2, decoded.second_uvs);
+    if (plan.needs.colours && decoded.colours.empty()) decoded.colours.assign(4 * std::size_t{set.vertex_count}, 1.0f);
+    if (plan.needs.colours) put(arrays.colours, set.first_vertex, 4, decoded.colours);
     for (const std::uint32_t m : meshes_of_set[s]) {
       const auto& mesh = plan.meshes[m];
       std::vector<std::uint32_t> order = capture::decode_indices(capture, draw_of(capture, mesh.source));

@@ -21,7 +21,7 @@ struct VertexSet {
   std::uint32_t first_vertex = 0, vertex_count = 0;
   // Without a normal stream glTF asks for flat shading: one vertex for each corner of each triangle.
   bool flat = false;
-  // A normal map needs tangents and the stream is absent: made from positions, normals and uvs.
+  // A normal map needs tangents and the stream is absent: made from positions, normals and the uvs it is read by.
   bool make_tangents = false;
 };
 
@@ -33,8 +33,11 @@ struct Mesh {
 
 // What of the optional streams the scene's shaders read.
 struct VertexNeeds {
-  bool uvs = false, tangents = false;
+  bool uvs = false, tangents = false, second_uvs = false, colours = false;
 };
+
+// Texture coordinates beyond this count as 0, like NaN.
+inline constexpr float kLargestUv = 1e6f;
 
 struct GeometryPlan {
   VertexNeeds needs;
@@ -48,14 +51,16 @@ struct GeometryPlan {
 // Throws DeviceError when the vertices or indices of all frames together exceed what 32-bit numbers address.
 GeometryPlan plan_geometry(const capture::Capture& capture, VertexNeeds needs);
 
-// Where the arrays go, sized by the plan: 3, 3, 2 and 4 floats a vertex. Uvs and tangents may be empty if not needed.
+// Where the arrays go, sized by the plan: 3, 3, 2, 4, 2 and 4 floats a vertex. Those not needed may be empty.
 struct GeometryArrays {
   std::span<float> positions, normals, uvs, tangents;
   std::span<std::uint32_t> indices;
+  std::span<float> second_uvs{}, colours{};
 };
 
-// Decodes every vertex set and mesh. Positions are as captured, NaN included; normals come out unit, uvs finite, and
-// tangents finite, absent ones 0. Returns the object-space bounds of each mesh.
+// Decodes every vertex set and mesh. Positions are as captured, NaN included; normals come out unit, uvs finite,
+// tangents finite, absent ones 0, and colours finite and not negative, absent ones 1. Returns the object-space bounds
+// of each mesh.
 std::vector<Bounds> fill_geometry(const capture::Capture& capture, const GeometryPlan& plan,
                                   const GeometryArrays& arrays);
 

@@ -37,6 +37,13 @@ constexpr FeatureName kFeatureNames[] = {
     {FEATURE_SHADOWS, "shadows"},
     {FEATURE_POINT_LIGHTS, "point lights"},
     {FEATURE_VARYING_ROUGHNESS, "varying roughness"},
+    {FEATURE_SAMPLERS, "samplers"},
+    {FEATURE_SECOND_UV, "second texture coordinates"},
+    {FEATURE_TEXTURE_TRANSFORM, "texture transforms"},
+    {FEATURE_VERTEX_COLOUR, "vertex colours"},
+    {FEATURE_NORMAL_SCALE, "normal map scales"},
+    {FEATURE_UNLIT, "unlit materials"},
+    {FEATURE_SPOT_LIGHTS, "spot lights"},
 };
 
 gpu_types::InstanceRecord instance_record(const glm::dmat4& world) {
@@ -57,6 +64,36 @@ gpu_types::InstanceRecord instance_record(const glm::dmat4& world) {
   return record;
 }
 
+// Samplers of the same values are one.
+using SamplerKey = std::array<std::uint32_t, 5>;
+SamplerKey key_of(const capture::Sampler& sampler) {
+  return {static_cast<std::uint32_t>(sampler.wrap_u), static_cast<std::uint32_t>(sampler.wrap_v),
+          static_cast<std::uint32_t>(sampler.magnify), static_cast<std::uint32_t>(sampler.minify),
+          static_cast<std::uint32_t>(sampler.mip)};
+}
+
+VkSamplerAddressMode address_mode(capture::Wrap wrap) {
+  switch (wrap) {
+    case capture::Wrap::repeat:
+      return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+    case capture::Wrap::clamp_to_edge:
+      return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    case capture::Wrap::mirrored_repeat:
+      return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+  }
+  return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+}
+
+gpu::SamplerDescription description_of(const capture::Sampler& sampler) {
+  const auto filter = [](capture::TexelFilter of) {
+    return of == capture::TexelFilter::nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+  };
+  // A texture without mipmaps has no other level to read (load_texture()).
+  return {filter(sampler.magnify), filter(sampler.minify),
+          sampler.mip == capture::MipFilter::linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST,
+          address_mode(sampler.wrap_u), address_mode(sampler.wrap_v)};
+}
+
 glm::vec4 vec4_of(const capture::Float3& v, float w = 0) {
   return {v[0], v[1], v[2], w};
 }
@@ -75,9 +112,10 @@ struct GpuScene::Impl {
   GeometryPlan plan;
   std::vector<Bounds> mesh_bounds;
   std::vector<capture::PointLight> placed;
+  std::vector<MaterialUse> uses;                 // of each material
   std::map<std::uint32_t, gpu::Image> textures;  // by capture number
   gpu::Image white;
-  gpu::Sampler sampler;
+  std::map<SamplerKey, gpu::Sampler> samplers;
   std::unique_ptr<gpu::MaterialSets> sets;
   std::vector<VkDescriptorSet> set_of_material;
   std::vector<Bounds> instance_bounds;  // of the current frame, world space
@@ -114,16 +152,22 @@ void GpuScene::Impl::upload_textures(gpu::Device& device, const capture::Capture
 }
 
 void GpuScene::Impl::make_sets(gpu::Device& device, const capture::Capture& capture) {
-  sampler = gpu::Sampler(device, {});
+  const auto sampler_of = [&](const capture::Sampler& captured) {
+    const auto [at, is_new] = samplers.try_emplace(key_of(captured));
+    if (is_new) at->second = gpu::Sampler(device, description_of(captured));
+    return &at->second;
+  };
   sets = std::make_unique<gpu::MaterialSets>(device, static_cast<std::uint32_t>(capture.materials.size()) + 1);
   for (const auto& material : capture.materials) {
-    std::array<gpu::Image*, gpu::kMaterialTextures> images{};
+    std::array<gpu::MaterialTexture, gpu::kMaterialTextures> seen{};
     const auto numbers = textures_of(material);
-    for (std::size_t i = 0; i < images.size(); ++i) {
+    for (std::size_t i = 0; i < seen.size(); ++i) {
       const auto found = textures.find(numbers[i]);
-      images[i] = found == textures.end() ? &white : &found->second;
+      const bool absent = found == textures.end();
+      seen[i] = {absent ? &white : &found->second,
+                 sampler_of(absent ? capture::Sampler{} : capture.textures[numbers[i]].sampler)};
     }
-    set_of_material.push_back(sets->set_of(images, sampler));
+    set_of_material.push_back(sets->set_of(seen));
   }
 }
 
@@ -150,16 +194,19 @@ GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const S
   constexpr std::uint32_t kAnyTexture =
       FEATURE_BASE_TEXTURE | FEATURE_ROUGHNESS_TEXTURE | FEATURE_NORMAL_MAP | FEATURE_EMISSIVE_TEXTURE;
   auto& plan = impl_->plan;
-  plan = plan_geometry(capture, {features_.has(kAnyTexture), features_.has(FEATURE_NORMAL_MAP)});
+  plan = plan_geometry(capture, {features_.has(kAnyTexture), features_.has(FEATURE_NORMAL_MAP),
+                                 features_.has(FEATURE_SECOND_UV), features_.has(FEATURE_VERTEX_COLOUR)});
   const std::uint64_t vertices = plan.vertex_count;
   positions = gpu::Buffer(device, "positions", vertices * 12);
   normals = gpu::Buffer(device, "normals", vertices * 12);
   uvs = gpu::Buffer(device, "texture coordinates", plan.needs.uvs ? vertices * 8 : 0);
   tangents = gpu::Buffer(device, "tangents", plan.needs.tangents ? vertices * 16 : 0);
+  second_uvs = gpu::Buffer(device, "second texture coordinates", plan.needs.second_uvs ? vertices * 8 : 0);
+  colours = gpu::Buffer(device, "vertex colours", plan.needs.colours ? vertices * 16 : 0);
   indices = gpu::Buffer(device, "indices", plan.index_count * 4);
-  impl_->mesh_bounds = fill_geometry(
-      capture, plan,
-      {positions.as<float>(), normals.as<float>(), uvs.as<float>(), tangents.as<float>(), indices.as<std::uint32_t>()});
+  impl_->mesh_bounds = fill_geometry(capture, plan,
+                                     {positions.as<float>(), normals.as<float>(), uvs.as<float>(), tangents.as<float>(),
+                                      indices.as<std::uint32_t>(), second_uvs.as<float>(), colours.as<float>()});
 
   std::size_t most_instances = 0;
   for (const auto& frame : capture.frames) {
@@ -170,8 +217,19 @@ GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const S
   instances = gpu::Buffer(device, "instances", most_instances * sizeof(gpu_types::InstanceRecord));
   frame_constants = gpu::Buffer(device, "frame constants", sizeof(gpu_types::FrameConstants));
   materials = gpu::Buffer(device, "materials", capture.materials.size() * sizeof(gpu_types::MaterialRecord));
-  const auto records = materials.as<gpu_types::MaterialRecord>();
-  for (std::size_t m = 0; m < capture.materials.size(); ++m) records[m] = record_of(capture.materials[m]);
+  impl_->uses = material_uses(capture);
+  const bool transformed_uvs = features_.has(FEATURE_TEXTURE_TRANSFORM);
+  uv_mappings = gpu::Buffer(device, "uv mappings",
+                            transformed_uvs ? capture.materials.size() * 4 * sizeof(gpu_types::UvMappingRecord) : 0);
+  for (std::uint32_t m = 0; m < capture.materials.size(); ++m) {
+    materials.as<gpu_types::MaterialRecord>()[m] = record_of(capture.materials[m], m, impl_->uses[m]);
+    if (transformed_uvs)
+      std::ranges::copy(mapping_records_of(capture.materials[m]),
+                        uv_mappings.as<gpu_types::UvMappingRecord>().begin() + std::ptrdiff_t{4} * m);
+  }
+  spot_cones = gpu::Buffer(
+      device, "spot cones",
+      features_.has(FEATURE_SPOT_LIGHTS) ? SUBPIXEL_MAX_POINT_LIGHTS * sizeof(gpu_types::SpotConeConstants) : 0);
   impl_->upload_textures(device, capture);
   impl_->make_sets(device, capture);
 
@@ -181,8 +239,7 @@ GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const S
   shadow.width = shadow.height = features_.has(FEATURE_SHADOWS) ? options.shadow_map_size : 1;
   shadow.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   shadow_map = gpu::Image(device, shadow);
-  shadow_sampler =
-      gpu::Sampler(device, {VK_FILTER_NEAREST, VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE});
+  shadow_sampler = gpu::Sampler(device, gpu::kNearestClamped);
 
   if (lights == PointLights::some) {
     std::vector<LightStage> stages;
@@ -241,10 +298,15 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
   value.viewport = {static_cast<float>(width), static_cast<float>(height), 1.0f / static_cast<float>(width),
                     1.0f / static_cast<float>(height)};
   value.tone.x = frame.exposure;
-  if (!draws_.empty()) value.tone.y = capture_.materials[draws_.front().material].roughness;
+  const auto lit =
+      std::ranges::find_if(draws_, [this](const DrawItem& draw) { return !capture_.materials[draw.material].unlit; });
+  if (lit != draws_.end()) value.tone.y = capture_.materials[lit->material].roughness;
   if (!impl_->options.point_lights) require_few_lights(frame, index);
-  const auto lights = light_constants(impl_->lights_of(frame));
+  const auto captured_lights = impl_->lights_of(frame);
+  const auto lights = light_constants(captured_lights);
   std::copy(lights.begin(), lights.end(), value.point_lights);
+  if (features_.has(FEATURE_SPOT_LIGHTS))
+    std::ranges::copy(cone_constants(captured_lights), spot_cones.as<gpu_types::SpotConeConstants>().begin());
   value.counts = {static_cast<std::uint32_t>(lights.size()), static_cast<std::uint32_t>(capture_.materials.size()),
                   instance, 0};
 
@@ -284,11 +346,15 @@ VkDescriptorSet GpuScene::material_set(std::uint32_t material) const {
 }
 
 bool GpuScene::alpha_tested(std::uint32_t material) const {
-  return is_alpha_tested(capture_.materials[material]);
+  return is_alpha_tested(capture_.materials[material], impl_->uses[material].translucent_vertices);
 }
 
 bool GpuScene::two_sided(std::uint32_t material) const {
   return capture_.materials[material].two_sided;
+}
+
+bool GpuScene::second_uv_of_base(std::uint32_t material) const {
+  return features_.has(FEATURE_SECOND_UV) && capture_.materials[material].base_colour_uv.set != 0;
 }
 
 bool GpuScene::has_textures(std::uint32_t material) const {
@@ -298,8 +364,8 @@ bool GpuScene::has_textures(std::uint32_t material) const {
 
 std::uint64_t GpuScene::bytes() const {
   std::uint64_t total = shadow_map.bytes() + impl_->white.bytes();
-  for (const gpu::Buffer* buffer :
-       {&positions, &normals, &uvs, &tangents, &indices, &instances, &materials, &frame_constants})
+  for (const gpu::Buffer* buffer : {&positions, &normals, &uvs, &tangents, &second_uvs, &colours, &indices, &instances,
+                                    &materials, &uv_mappings, &spot_cones, &frame_constants})
     total += buffer->bytes();
   for (const auto& [number, image] : impl_->textures) total += image.bytes();
   return total;

@@ -37,7 +37,7 @@ struct SceneOptions {
   std::uint32_t forced_features = 0;
 };
 
-inline constexpr std::uint32_t kAllFeatures = 2 * FEATURE_VARYING_ROUGHNESS - 1;
+inline constexpr std::uint32_t kAllFeatures = 2 * SUBPIXEL_LAST_FEATURE - 1;
 
 class GpuScene {
  public:
@@ -58,6 +58,7 @@ class GpuScene {
       std::uint32_t material) const;  // set 1: the material's textures, white where it has none
   bool alpha_tested(std::uint32_t material) const;
   bool two_sided(std::uint32_t material) const;
+  bool second_uv_of_base(std::uint32_t material) const;  // its base colour's texture is placed by the second uvs
   bool has_textures(std::uint32_t material) const;  // any texture: its draws can't share a bind with another material's
   std::uint64_t bytes() const;                      // geometry, textures, shadow map
 
@@ -65,9 +66,13 @@ class GpuScene {
   gpu::Buffer normals;          // 3 floats a vertex, unit
   gpu::Buffer uvs;              // 2 floats a vertex; empty without textures
   gpu::Buffer tangents;         // 4 floats a vertex; empty without normal maps
+  gpu::Buffer second_uvs;       // 2 floats a vertex; empty where no texture is placed by them
+  gpu::Buffer colours;          // 4 floats a vertex, linear; empty where no draw has them
   gpu::Buffer indices;          // 32-bit, absolute vertex numbers
   gpu::Buffer instances;        // InstanceRecord
   gpu::Buffer materials;        // MaterialRecord
+  gpu::Buffer uv_mappings;      // UvMappingRecord, four a material; empty where all textures are read as they lie
+  gpu::Buffer spot_cones;       // SpotConeConstants, one for each point light; empty where none has a cone
   gpu::Buffer frame_constants;  // FrameConstants
   gpu::Image shadow_map;        // 1x1 without shadows
   gpu::Sampler shadow_sampler;

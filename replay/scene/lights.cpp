@@ -37,6 +37,23 @@ bool finite(float value) {
   return std::isfinite(value);
 }
 
+// Cosines between a cone's inner and outer angle, at least: a step from light to dark, and still finite.
+constexpr double kSharpestEdge = 1e-5;
+
+glm::dvec3 direction_of(const capture::SpotCone& cone) {
+  return {cone.direction[0], cone.direction[1], cone.direction[2]};
+}
+
+bool is_usable(const capture::PointLight& light) {
+  const bool lit = std::all_of(light.position.begin(), light.position.end(), finite) &&
+                   std::all_of(light.intensity.begin(), light.intensity.end(), finite) && finite(light.range) &&
+                   light.range >= 1e-6f;
+  if (!lit || !light.cone) return lit;
+  const double length = glm::length(direction_of(*light.cone));
+  return length > 1e-12 && std::isfinite(length) && finite(light.cone->inner_cosine) &&
+         finite(light.cone->outer_cosine);
+}
+
 }  // namespace
 
 void require_few_lights(const capture::Frame& frame, std::uint32_t index) {
@@ -52,12 +69,23 @@ std::vector<gpu_types::PointLightConstants> light_constants(const std::vector<ca
   assert(lights.size() <= SUBPIXEL_MAX_POINT_LIGHTS);
   std::vector<gpu_types::PointLightConstants> result;
   for (const auto& light : lights) {
-    if (!std::all_of(light.position.begin(), light.position.end(), finite) ||
-        !std::all_of(light.intensity.begin(), light.intensity.end(), finite) || !finite(light.range) ||
-        light.range < 1e-6f)
-      continue;
+    if (!is_usable(light)) continue;
     result.push_back({{light.position[0], light.position[1], light.position[2], light.range},
                       {light.intensity[0], light.intensity[1], light.intensity[2], 1.0f / light.range / light.range}});
+  }
+  return result;
+}
+
+std::vector<gpu_types::SpotConeConstants> cone_constants(const std::vector<capture::PointLight>& lights) {
+  std::vector<gpu_types::SpotConeConstants> result;
+  for (const auto& light : lights) {
+    if (!is_usable(light)) continue;
+    auto& cone = result.emplace_back(glm::vec4(0, 0, 0, 1));
+    if (!light.cone) continue;
+    const glm::dvec3 direction = glm::normalize(direction_of(*light.cone));
+    const double inner = light.cone->inner_cosine, outer = light.cone->outer_cosine;
+    const double scale = 1 / std::max(inner - outer, kSharpestEdge);
+    cone.plane = glm::vec4(direction * scale, -outer * scale);
   }
   return result;
 }

@@ -13,9 +13,11 @@ namespace subpixel::replay {
 // Throws InputError when a frame has more point lights than shaders can hold, SUBPIXEL_MAX_POINT_LIGHTS.
 void require_few_lights(const capture::Frame& frame, std::uint32_t index);
 
-// Up to SUBPIXEL_MAX_POINT_LIGHTS lights as the shaders read them; those that are not finite, or have no range, are
-// left out.
+// Up to SUBPIXEL_MAX_POINT_LIGHTS lights as the shaders read them; those that are not finite, have no range, or a
+// cone without direction, are left out.
 std::vector<gpu_types::PointLightConstants> light_constants(const std::vector<capture::PointLight>& lights);
+// Their cones, one for each of those lights.
+std::vector<gpu_types::SpotConeConstants> cone_constants(const std::vector<capture::PointLight>& lights);
 
 // A camera to place lights for, with points of what its frame draws.
 struct LightStage {

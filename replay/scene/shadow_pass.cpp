@@ -8,7 +8,7 @@ namespace {
 
 struct ShadowPush {
   glm::mat4 world_to_clip;
-  VkDeviceAddress positions, uvs, instances;
+  VkDeviceAddress positions, uvs, instances, colours;
   std::uint32_t material;
 };
 
@@ -82,15 +82,22 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<B
   pass.pipeline.depth_write = true;
   const gpu::RasterDescription solid = pass.pipeline;
   gpu::RasterDescription tested = pass.pipeline;
-  tested.vertex = "scene/shadow.vert:TESTED";
-  tested.fragment = "scene/shadow.frag";
+  const std::string variant = scene.features().has(FEATURE_VERTEX_COLOUR) ? "COLOURED" : "TESTED";
+  tested.vertex = "scene/shadow.vert:" + variant;
+  tested.fragment = "scene/shadow.frag:" + variant;
   tested.constants = {{1, scene.features().bits}};
   pass.depth = &scene.shadow_map;
   pass.clear_depth = 1;
-  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, scene.materials)};
+  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, scene.materials),
+                   gpu::reads(9, scene.uv_mappings)};
   pass.indices_and_indirect = {&scene.indices, &commands};
-  pass.by_address = {&scene.positions, &scene.uvs, &scene.instances};
-  ShadowPush push{glm::mat4(1), scene.positions.address(), scene.uvs.address(), scene.instances.address(), 0};
+  pass.by_address = {&scene.positions, &scene.uvs, &scene.second_uvs, &scene.instances, &scene.colours};
+  ShadowPush push{glm::mat4(1),
+                  scene.positions.address(),
+                  scene.uvs.address(),
+                  scene.instances.address(),
+                  scene.colours.address(),
+                  0};
   pass.push = gpu::PushConstants(push);
   const auto side = static_cast<float>(scene.shadow_map.description().width / 2);
   pass.draws = [&](gpu::DrawEncoder& encoder) {
@@ -102,6 +109,7 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<B
         encoder.pipeline(batch.tested ? tested : solid);
         if (batch.tested) encoder.material(scene.material_set(batch.material));
         push.material = batch.material;
+        push.uvs = scene.second_uv_of_base(batch.material) ? scene.second_uvs.address() : scene.uvs.address();
         encoder.push(gpu::PushConstants(push));
         encoder.draw_indexed_indirect(commands, batch.first * sizeof(VkDrawIndexedIndirectCommand), batch.count);
       }

@@ -236,8 +236,10 @@ void build_mipmaps(Mipmaps& image, bool alpha_weighted, std::optional<float> alp
 }
 
 Mipmaps load_texture(const capture::Capture& capture, const TextureUse& use) {
-  Mipmaps mipmaps = decode_texture(capture.textures[use.texture]);
+  const auto& texture = capture.textures[use.texture];
+  Mipmaps mipmaps = decode_texture(texture);
   build_mipmaps(mipmaps, use.alpha_weighted, use.alpha_cutoff);
+  if (texture.sampler.mip == capture::MipFilter::none) mipmaps.levels.resize(1);
   return mipmaps;
 }
 

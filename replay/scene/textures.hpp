@@ -30,7 +30,7 @@ Mipmaps decode_texture(const capture::Texture& texture);
 // cutoff as at level 0 (Castano, "Computing alpha mipmaps", 2010), or foliage would thin out with distance.
 void build_mipmaps(Mipmaps& image, bool alpha_weighted, std::optional<float> alpha_cutoff);
 
-// Both for one use of a captured texture.
+// Both for one use of a captured texture; of one whose sampler knows no other, level 0 alone.
 Mipmaps load_texture(const capture::Capture& capture, const TextureUse& use);
 
 }  // namespace subpixel::replay

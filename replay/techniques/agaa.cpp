@@ -185,6 +185,8 @@ State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   for (const auto& material :
        setup.scene.materials.as<gpu_types::MaterialRecord>().first(setup.scene.constants().counts.y))
     for (int c = 0; c < 3; ++c) largest = std::max(largest, material.emissive_cutoff[c]);
+  // Unlit surfaces emit colours.
+  if (setup.scene.features().has(FEATURE_UNLIT)) largest = std::max(largest, 1.0f);
   state.description->as<std::uint64_t>()[0] = state.sums->address();
   state.description->as<float>()[2] = largest > 0 && std::isfinite(largest) ? largest : 1.0f;
   return state;

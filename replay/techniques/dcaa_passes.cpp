@@ -10,6 +10,7 @@
 #include "replay/frontend/fragment_lists.hpp"
 #include "replay/techniques/dcaa_view.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "shaders/techniques/agaa/agaa_types.h"
 #include "shaders/techniques/dcaa/dcaa_types.h"
 
 namespace subpixel::replay {
@@ -24,7 +25,8 @@ constexpr std::uint32_t kMostAttachments = 8, kFewestAttachments = 3;
 std::uint32_t state_quads(const FrameSetup& setup, const DcaaForm& form) {
   const std::uint32_t surface_words = (setup.samples == 64 ? 2 : 1) + (form.normal_format == DCAA_NORMAL_3X32 ? 3 : 1) +
                                       3 + (form.depth_bits == 32 ? 1 : 0) +
-                                      (setup.scene.features().has(FEATURE_EMISSIVE) ? 1 : 0);
+                                      (setup.scene.features().has(FEATURE_EMISSIVE) ? 1 : 0) +
+                                      ((form.options & DCAA_SECOND_MOMENTS) != 0 ? 3 : 0);
   return (1 + form.surfaces * surface_words + 3) / 4;
 }
 
@@ -205,6 +207,7 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
       lighting_pass(setup, "resolve and shade", "techniques/dcaa/shade.frag:" + r.variant() + (lobes ? "_LOBES" : ""));
   append(pass.pipeline.constants, constants_of(form));
   if (lobes) pass.pipeline.constants.emplace_back(9, form.shadow_taps);
+  if ((form.options & DCAA_SECOND_MOMENTS) != 0) pass.pipeline.constants.emplace_back(8, AGAA_SGGX);
   pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
   pass.bindings.push_back(gpu::reads(2, *r.view));

@@ -112,7 +112,7 @@ gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::st
   pass.pipeline.fragment = std::move(fragment);
   pass.pipeline.constants = common_constants(setup);
   for (const auto& constant : setup.frontend.constants()) pass.pipeline.constants.push_back(constant);
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants),
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(8, setup.scene.spot_cones),
                    gpu::samples(7, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
   return pass;
 }

@@ -39,7 +39,8 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   pass.pipeline.targets.colours = {sum.description().format};
   pass.pipeline.additive = true;
   pass.colours = {{sum}};
-  pass.bindings = {gpu::samples(0, visibility), gpu::samples(7, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
+  pass.bindings = {gpu::samples(0, visibility), gpu::reads(8, setup.scene.spot_cones),
+                   gpu::samples(7, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
   record_resolve(recorder, setup, sum);
 }

@@ -22,7 +22,8 @@ DcaaForm form_of(const FrameSetup& setup) {
   form.surfaces = setup.parameters.at("surfaces").get<std::uint32_t>();
   form.options = DCAA_KEEP_FRONT | DCAA_PREPASS;
   form.options |= setup.choice("second_merge") == "nearest" ? DCAA_NEAREST : DCAA_SECOND_MERGE;
-  if (setup.choice("normals") == "distribution") form.options |= DCAA_DISTRIBUTION;
+  if (setup.choice("normals") != "mean") form.options |= DCAA_DISTRIBUTION;
+  if (setup.choice("normals") == "sggx") form.options |= DCAA_SECOND_MOMENTS;
   if (setup.choice("merge_weight") == "shown") form.options |= DCAA_WEIGHT_SHOWN;
   if (setup.choice("coverage") == "lut") form.options |= DCAA_TABLE;
   form.normal_cosine = static_cast<float>(std::cos(setup.number("normal_angle")));
@@ -40,6 +41,10 @@ MemoryLayout layout(const FrameSetup& setup) {
   memory.fitted = {{"coverage", n * s}, {"facet normal", 32 * s},
                    {"depth", 24 * s},   {"attributes", fitted_surface_bits(setup.scene.features()) * s},
                    {"count word", 32},  {"prepass planes", 256}};
+  if (setup.choice("normals") == "sggx") {
+    memory.paper.push_back({"second moments", 96 * s});
+    memory.fitted.push_back({"second moments", 96 * s});
+  }
   return memory;
 }
 
@@ -70,8 +75,10 @@ const Technique kHybrid{
      number_parameter("length",
                       "largest scale of local detail: a distance as large parts surfaces as opposite normals do",
                       "world units", 1e-6, 1e6, 1),
-     choice_parameter("normals", "merged normals keep the length of their mean, for filtered lighting, or not",
-                      {"distribution", "mean"}),
+     choice_parameter("normals",
+                      "merged normals keep the length of their mean, for filtered lighting; their second moments, too, "
+                      "for an anisotropic one; or neither",
+                      {"distribution", "sggx", "mean"}),
      choice_parameter("merge_weight", "merges weight by the samples that the one in front leaves, or by those covered",
                       {"shown", "coverage"}),
      integer_parameter("shadow_taps", "points of a surface's footprint at which its shadow is looked up", 1, 8, 4,

@@ -7,10 +7,10 @@
 #include <sstream>
 
 #include "capture_format/error.hpp"
+#include "capture_format/printable.hpp"
 #include "replay/techniques/technique.hpp"
 #include "server/json_document.hpp"
 #include "server/run_request.hpp"
-#include "server/text.hpp"
 
 namespace subpixel::server {
 namespace {

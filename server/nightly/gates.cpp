@@ -90,9 +90,11 @@ class CellJudge {
     }
     Differences invalid;
     for (const NightFrame& frame : cell_.frames) {
-      const auto found = frame.result.counters.find("invalid_pixels");
-      if (found != frame.result.counters.end() && found->second > 0) {
-        invalid.add(frame.result.frame, fmt::format("{} pixels are NaN, infinite or negative", found->second));
+      for (const auto& [counter, whose] :
+           {std::pair{"invalid_pixels", ""}, {"invalid_reference_pixels", "reference: "}}) {
+        const auto found = frame.result.counters.find(counter);
+        if (found == frame.result.counters.end() || found->second == 0) continue;
+        invalid.add(frame.result.frame, fmt::format("{}{} pixels are NaN, infinite or negative", whose, found->second));
       }
     }
     add("valid", invalid, "every pixel is a finite number of 0 or more");

@@ -9,12 +9,13 @@
 #include "capture_format/error.hpp"
 #include "capture_format/failure.hpp"
 #include "capture_format/hash.hpp"
+#include "capture_format/printable.hpp"
 #include "capture_format/writer.hpp"
+#include "replay/measure/image_file.hpp"
 #include "replay/measure/json_fields.hpp"
 #include "replay/measure/maps.hpp"
 #include "replay/measure/metrics.hpp"
 #include "server/nightly/gates.hpp"
-#include "server/text.hpp"
 #include "server/worker_files.hpp"
 
 namespace subpixel::server {

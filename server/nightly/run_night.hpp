@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "server/child_process.hpp"
+#include "process/child_process.hpp"
 #include "server/data_folder.hpp"
 #include "server/nightly/config.hpp"
 #include "server/nightly/night.hpp"

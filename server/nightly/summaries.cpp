@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "server/text.hpp"
+#include "capture_format/printable.hpp"
 
 namespace subpixel::server {
 namespace {

@@ -5,6 +5,7 @@
 #define SUBPIXEL_FRAGMENT_GLSL
 
 #include "frontend/hull_interface.glsl"
+#include "frontend/source_triangle.glsl"
 #include "include/coverage.glsl"
 #include "include/attributes.glsl"
 #include "include/material.glsl"
@@ -85,6 +86,28 @@ Weights fragment_weights(ivec2 pixel, vec2 offset) {
 
 vec2 fragment_uv(vec3 weight) { return interpolate(weight, in_uv01.xy, in_uv01.zw, in_uv2); }
 
+vec2 fragment_second_uv(vec3 weight) {
+  uvec3 vertex = source_vertices(in_ids.w);
+  return interpolate(weight, push.second_uvs.uv[vertex.x], push.second_uvs.uv[vertex.y], push.second_uvs.uv[vertex.z]);
+}
+
+vec4 fragment_colour(vec3 weight) {
+  uvec3 vertex = source_vertices(in_ids.w);
+  return interpolate(weight, push.colours.colour[vertex.x], push.colours.colour[vertex.y],
+                     push.colours.colour[vertex.z]);
+}
+
+VertexInputs vertex_inputs(Weights w) {
+  VertexInputs v;
+  v.first = TextureCoordinates(fragment_uv(w.value), fragment_uv(w.dx), fragment_uv(w.dy));
+  v.second = TextureCoordinates(vec2(0.0), vec2(0.0), vec2(0.0));
+  if (has_feature(FEATURE_SECOND_UV))
+    v.second = TextureCoordinates(fragment_second_uv(w.value), fragment_second_uv(w.dx), fragment_second_uv(w.dy));
+  v.colour = vec4(1.0);
+  if (has_feature(FEATURE_VERTEX_COLOUR)) v.colour = fragment_colour(w.value);
+  return v;
+}
+
 // Rank of sample i of n in a fixed order that spreads over the pixel: which samples a translucent fragment covers first.
 uint coverage_rank(uint i) {
   return (i * 5u + 3u) % SAMPLES;
@@ -99,20 +122,32 @@ uint alpha_mask(uint mask, uint first, uint count, ivec2 pixel, vec2 offset) {
   float cutoff = m.emissive_cutoff.w;
   bool blend = (m.flags.x & MATERIAL_ALPHA_BLEND) != 0u;
   Weights w = fragment_weights(pixel, offset);
-  vec2 uv = fragment_uv(w.value), dx = fragment_uv(w.dx), dy = fragment_uv(w.dy);
+  VertexInputs v = vertex_inputs(w);
+  TextureCoordinates c = coordinates_of(m, 0u, v);
+  vec2 uv = c.uv, dx = c.dx, dy = c.dy;
+  // The vertices' part, at the shading point and its change per pixel in x and y.
+  vec3 vertex_alpha = vec3(1.0, 0.0, 0.0);
+  if (has_feature(FEATURE_VERTEX_COLOUR))
+    vertex_alpha = vec3(v.colour.a, fragment_colour(w.dx).a, fragment_colour(w.dy).a);
   float alpha = material_alpha(m, uv, dx, dy);
+  if (has_feature(FEATURE_VERTEX_COLOUR)) alpha *= vertex_alpha.x;
   if (ALPHA_MODE == 1u) return alpha >= (blend ? 0.5 : cutoff) ? mask : 0u;
   uint left = 0u;
   if (ALPHA_MODE == 2u) {
     for (uint i = 0u; i < count; ++i) {
       vec2 at = vec2(sample_offset(SAMPLES, first + i)) * (1.0 / 128.0) - offset;
       float a = material_alpha(m, uv + dx * at.x + dy * at.y, dx, dy);
+      if (has_feature(FEATURE_VERTEX_COLOUR)) a *= dot(vertex_alpha, vec3(1.0, at));
       float threshold = blend ? (float(coverage_rank(first + i)) + 0.5) / float(SAMPLES) : cutoff;
       left |= a >= threshold ? 1u << i : 0u;
     }
     return mask & left;
   }
   float step_x = material_alpha(m, uv + dx * 0.5, dx, dy), step_y = material_alpha(m, uv + dy * 0.5, dx, dy);
+  if (has_feature(FEATURE_VERTEX_COLOUR)) {
+    step_x *= vertex_alpha.x + 0.5 * vertex_alpha.y;
+    step_y *= vertex_alpha.x + 0.5 * vertex_alpha.z;
+  }
   vec2 slope = 2.0 * (vec2(step_x, step_y) - alpha);
   for (uint i = 0u; i < count; ++i) {
     vec2 at = vec2(sample_offset(SAMPLES, first + i)) * (1.0 / 128.0) - offset;
@@ -132,7 +167,7 @@ Surface fragment_surface(ivec2 pixel, vec2 offset) {
   vec4 tangent = has_feature(FEATURE_NORMAL_MAP) ? interpolate(w.value, in_tangent0, in_tangent1, in_tangent2) : vec4(0.0);
   Surface s;
   s.position = vec3(0.0);
-  evaluate_material(materials[push.material], fragment_uv(w.value), fragment_uv(w.dx), fragment_uv(w.dy), normal, tangent, s);
+  evaluate_material(materials[push.material], vertex_inputs(w), normal, tangent, s);
   return s;
 }
 #endif

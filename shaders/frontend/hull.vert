@@ -41,7 +41,7 @@ void main() {
   out_v01 = push.records.record[record].v01;
   out_v2_ref = v2_ref;
   out_depth = push.records.record[record].depth;
-  out_ids = uvec4(depth2.x, record, depth2.w, 0u);
+  out_ids = uvec4(depth2.x, record, depth2.w, has_feature(kFetchedFeatures) ? hull2_id.z : 0u);
 #ifdef WITH_UV
   SourceTriangle source;
   uvec3 vertex = source_vertices(hull2_id.z);

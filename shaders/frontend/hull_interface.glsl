@@ -10,6 +10,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Pos
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Normals { vec3 normal[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Uvs { vec2 uv[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Tangents { vec4 tangent[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Colours { vec4 colour[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Indices { uint index[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer ClipMatrices { mat4 clip_from_object[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Instances { InstanceRecord instance[]; };
@@ -23,6 +24,8 @@ layout(push_constant, scalar) uniform Push {
   Indices indices;
   ClipMatrices clip_matrices;
   Instances instances;
+  Uvs second_uvs;
+  Colours colours;
   uint material;      // of the batch being drawn
   uint triangle_slots;  // records of clipped pieces start here
 #ifdef LISTED
@@ -31,5 +34,7 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 const uint kUvFeatures = FEATURE_BASE_TEXTURE | FEATURE_NORMAL_MAP | FEATURE_ROUGHNESS_TEXTURE | FEATURE_EMISSIVE_TEXTURE;
+// What fragments fetch from the source triangle's vertices themselves, so that hulls have no more outputs for it.
+const uint kFetchedFeatures = FEATURE_SECOND_UV | FEATURE_VERTEX_COLOUR;
 
 #endif

@@ -9,7 +9,6 @@
 #endif
 #include "frontend/fragment.glsl"
 #include "frontend/fragment_lists.glsl"
-#include "frontend/source_triangle.glsl"
 
 layout(set = 0, binding = 1, scalar) readonly buffer Lists { ListAddresses lists; };
 
@@ -28,7 +27,9 @@ void load_fragment(uint record) {
   in_ids = uvec4(depth2.x, record, depth2.w, 0u);
 #ifdef WITH_UV
   SourceTriangle source;
-  uvec3 vertex = source_vertices(push.records.record[record].hull2_id.z);
+  uint first_index = push.records.record[record].hull2_id.z;
+  if (has_feature(kFetchedFeatures)) in_ids.w = first_index;
+  uvec3 vertex = source_vertices(first_index);
   uint instance = push.records.record[record].hull2_id.w;
   source_clip_uv(vertex, instance, source);
   in_clip0 = source.clip[0];

@@ -1,9 +1,10 @@
 // How a surface scatters the light of one direction: glTF metallic-roughness (GGX, height-correlated Smith, Schlick,
 // Lambert; Khronos glTF 2.0 appendix B), or Blinn-Phong as the AGAA paper shades with.
-// Reads: specialization constant 2, SHADING_MODEL. No branches: lavapipe runs both sides anyway.
+// Reads: specialization constant 2, SHADING_MODEL; FEATURES. No branches: lavapipe runs both sides anyway.
 #ifndef SUBPIXEL_BRDF_GLSL
 #define SUBPIXEL_BRDF_GLSL
 
+#include "include/frame.glsl"
 #include "include/surface.glsl"
 
 #define SHADING_MODEL_GGX 0u
@@ -24,6 +25,7 @@ struct Brdf {
   vec3 view;           // unit, surface to eye
   vec3 diffuse;        // Lambert, 1 / pi included
   vec3 reflectance;    // at normal incidence
+  float grazing;       // reflectance at grazing incidence
   vec3 ambient;        // fraction of a uniform environment's radiance sent to the eye
   float cosine;        // of normal and view, of either sign
   float normal_view;   // the same, at least kCosineFloor
@@ -31,6 +33,14 @@ struct Brdf {
   float smith_view;    // sqrt(alpha^2 + (1 - alpha^2) cosine^2)
   float exponent;      // Blinn-Phong
 };
+
+// Schlick's reflectance at grazing incidence: 1, and less where less than a fiftieth, which no bare surface has, is
+// reflected at normal incidence, so that unlit surfaces reflect nothing at any angle. Without those in the scene the
+// darkest metals keep their 1.
+float grazing_reflectance(vec3 reflectance) {
+  if (!has_feature(FEATURE_UNLIT)) return 1.0;
+  return clamp(50.0 * max(max(reflectance.r, reflectance.g), reflectance.b), 0.0, 1.0);
+}
 
 Brdf prepare_brdf(Surface s, vec3 view) {
   Brdf b;
@@ -44,6 +54,7 @@ Brdf prepare_brdf(Surface s, vec3 view) {
   vec3 diffuse_colour = albedo * (1.0 - metallic);
   b.diffuse = diffuse_colour * (1.0 / kPi);
   b.reflectance = mix(vec3(kDielectricReflectance), albedo, metallic);
+  b.grazing = grazing_reflectance(b.reflectance);
   b.cosine = dot(s.normal, view);
   b.normal_view = clamp(b.cosine, kCosineFloor, 1.0);
   b.smith_view = sqrt(b.normal_view * b.normal_view * (1.0 - b.alpha_squared) + b.alpha_squared);
@@ -53,7 +64,7 @@ Brdf prepare_brdf(Surface s, vec3 view) {
   vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
   float a004 = min(r.x * r.x, exp2(-9.28 * b.normal_view)) * r.x + r.y;
   vec2 scale_bias = vec2(-1.04, 1.04) * a004 + r.zw;
-  vec3 specular = clamp(b.reflectance * scale_bias.x + scale_bias.y, 0.0, 1.0);
+  vec3 specular = clamp(b.reflectance * scale_bias.x + b.grazing * scale_bias.y, 0.0, 1.0);
   b.ambient = diffuse_colour * (1.0 - specular) + specular;
   return b;
 }
@@ -76,7 +87,7 @@ vec3 reflected(Brdf b, vec3 light, float normal_light) {
   float grazing = 1.0 - min(0.5 * sqrt(half_squared), 1.0);  // 1 - v.h
   float grazing2 = grazing * grazing;
   float schlick = grazing2 * grazing2 * grazing;
-  vec3 fresnel = b.reflectance + (1.0 - b.reflectance) * schlick;
+  vec3 fresnel = b.reflectance + (b.grazing - b.reflectance) * schlick;
   return (b.diffuse * (1.0 - fresnel) + fresnel * lobe) * normal_light;
 }
 

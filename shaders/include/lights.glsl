@@ -1,5 +1,6 @@
 // The radiance a surface sends to the eye: sun with shadow map, point lights, ambient, emission.
-// Reads: frame constants; the shadow map, sampled slot 7 (set 0, binding 19), when the scene has shadows.
+// Reads: frame constants; the shadow map, sampled slot 7 (set 0, binding 19), when the scene has shadows; the cones,
+// storage slot 8, when lights have them.
 // Returns linear radiance, finite and not negative for every finite surface; a normal of no length is lit as if it
 // faced the viewer, other values are clamped as brdf.glsl says.
 #ifndef SUBPIXEL_LIGHTS_GLSL
@@ -9,6 +10,7 @@
 #include "include/brdf.glsl"
 
 layout(set = 0, binding = 19) uniform sampler2D shadow_map;
+layout(set = 0, binding = 9, std430) readonly buffer SpotCones { SpotConeConstants spot_cones[]; };
 
 // Below this fraction of its range a point light gets no brighter.
 const float kInnermostFraction = 0.01;
@@ -75,7 +77,13 @@ float point_light_attenuation(uint i, vec3 position, out vec3 light) {
   float x = distance_squared * inverse_range_squared;  // (distance / range)^2
   float window = max(1.0 - x * x, 0.0);
   float ceiling = inverse_range_squared * (1.0 / (kInnermostFraction * kInnermostFraction));
-  return window * window * min(inverse * inverse, ceiling);
+  float attenuation = window * window * min(inverse * inverse, ceiling);
+  if (has_feature(FEATURE_SPOT_LIGHTS)) {
+    vec4 plane = spot_cones[i].plane;
+    float inside = clamp(plane.w - dot(plane.xyz, light), 0.0, 1.0);
+    attenuation *= inside * inside;
+  }
+  return attenuation;
 }
 
 // Radiance towards the eye along `view_direction`, the unit vector from the surface to the eye.

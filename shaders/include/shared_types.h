@@ -29,10 +29,24 @@ using glm::vec4;
 #define FEATURE_SHADOWS 512u
 #define FEATURE_POINT_LIGHTS 1024u
 #define FEATURE_VARYING_ROUGHNESS 2048u  // roughness differs between materials or texels
+#define FEATURE_SAMPLERS 4096u           // some texture is read otherwise than trilinearly and repeating
+#define FEATURE_SECOND_UV 8192u          // some texture is placed by the second coordinates
+#define FEATURE_TEXTURE_TRANSFORM 16384u
+#define FEATURE_VERTEX_COLOUR 32768u
+#define FEATURE_NORMAL_SCALE 65536u
+#define FEATURE_UNLIT 131072u  // some material is: never without FEATURE_EMISSIVE and FEATURE_METAL, which hold it
+#define FEATURE_SPOT_LIGHTS 262144u
+#define SUBPIXEL_LAST_FEATURE FEATURE_SPOT_LIGHTS
 
 struct PointLightConstants {
   vec4 position_range;  // world units
   vec4 intensity;       // linear radiant intensity
+};
+
+// Storage buffer: of a light's cone, the fraction of the way from its outer to its inner cosine is
+// dot(plane.xyz, the way the light travels) + plane.w. A light without a cone: 0, 0, 0, 1.
+struct SpotConeConstants {
+  vec4 plane;
 };
 
 // Uniform buffer, binding 0 of every pass.
@@ -66,12 +80,19 @@ struct InstanceRecord {
 #define MATERIAL_EMISSIVE_TEXTURE 16u
 #define MATERIAL_TWO_SIDED 32u
 #define MATERIAL_ALPHA_BLEND 64u
+#define MATERIAL_UNLIT 128u
+#define MATERIAL_SECOND_UV 256u  // of the base colour's texture; its double, of the second texture; and so on
 
 struct MaterialRecord {
   vec4 base_colour;      // linear, alpha in w
   vec4 emissive_cutoff;  // rgb linear radiance, w alpha cutoff
-  vec4 metal_rough;      // x metallic, y roughness
-  uvec4 flags;           // x: MATERIAL_ bits
+  vec4 metal_rough;      // x metallic, y roughness, z scale of the normal map
+  uvec4 flags;           // x: MATERIAL_ bits; y: the first of four records of where the textures are read
+};
+
+// Where a texture is read: u' = dot(row[0].xyz, (u, v, 1)), v' = dot(row[1].xyz, (u, v, 1)).
+struct UvMappingRecord {
+  vec4 row[2];
 };
 
 #ifdef __cplusplus
@@ -79,6 +100,8 @@ static_assert(sizeof(PointLightConstants) == 32);
 static_assert(sizeof(FrameConstants) == 4 * 64 + 8 * 16 + SUBPIXEL_SHADOW_CASCADES * 16 + SUBPIXEL_MAX_POINT_LIGHTS * 32);
 static_assert(sizeof(InstanceRecord) == 96);
 static_assert(sizeof(MaterialRecord) == 64);
+static_assert(sizeof(UvMappingRecord) == 32);
+static_assert(sizeof(SpotConeConstants) == 16);
 }  // namespace subpixel::gpu_types
 #endif
 #endif

@@ -40,13 +40,16 @@ vec3 shade_at(uint number, vec2 point) {
   const uint kTextured =
       FEATURE_BASE_TEXTURE | FEATURE_ROUGHNESS_TEXTURE | FEATURE_NORMAL_MAP | FEATURE_EMISSIVE_TEXTURE;
   if (has_feature(kTextured)) {
-    Coordinates c = coordinates_of(vertex, w);
-    uvec4 numbers = material_textures[t.source.z];
-    if (has_feature(FEATURE_BASE_TEXTURE)) texel.base_colour = texture_at(numbers.x, c);
-    if (has_feature(FEATURE_ROUGHNESS_TEXTURE)) texel.roughness_metallic = texture_at(numbers.y, c).gb;
-    if (has_feature(FEATURE_NORMAL_MAP)) texel.normal = texture_at(numbers.z, c).rgb;
-    if (has_feature(FEATURE_EMISSIVE_TEXTURE)) texel.emissive = texture_at(numbers.w, c).rgb;
+    uint m = t.source.z;
+    uvec4 numbers = material_textures[m];
+    if (has_feature(FEATURE_BASE_TEXTURE)) texel.base_colour = texture_at(numbers.x, coordinates_of(vertex, w, m, 0u));
+    if (has_feature(FEATURE_ROUGHNESS_TEXTURE))
+      texel.roughness_metallic = texture_at(numbers.y, coordinates_of(vertex, w, m, 1u)).gb;
+    if (has_feature(FEATURE_NORMAL_MAP)) texel.normal = texture_at(numbers.z, coordinates_of(vertex, w, m, 2u)).rgb;
+    if (has_feature(FEATURE_EMISSIVE_TEXTURE))
+      texel.emissive = texture_at(numbers.w, coordinates_of(vertex, w, m, 3u)).rgb;
   }
+  if (has_feature(FEATURE_VERTEX_COLOUR)) texel.base_colour *= colour_of(vertex, w);
   vec4 tangent = has_feature(FEATURE_NORMAL_MAP) ? tangent_of(t, vertex, w.value) : vec4(0.0);
   Surface s;
   s.position = world_position(point, w.depth);

@@ -16,10 +16,17 @@ struct ReferenceTriangle {
 };
 #define REFERENCE_BACK_FACE 1u
 
-// One level of one texture: first texel, width, height, 1 when sRGB.
+// One level of one texture: first texel, width, height, LEVEL_ bits.
 struct TextureLevel {
   uvec4 place;
 };
+#define LEVEL_SRGB 1u
+// The texture's sampler. Two bits for each axis: 0 repeats, 1 clamps, 2 mirrors.
+#define LEVEL_WRAP_U_SHIFT 1
+#define LEVEL_WRAP_V_SHIFT 3
+#define LEVEL_MAGNIFY_NEAREST 32u
+#define LEVEL_MINIFY_NEAREST 64u
+#define LEVEL_MIP_NEAREST 128u
 // A texture is its first level's number | levels << 24; none:
 #define REFERENCE_NO_TEXTURE 0xffffffffu
 

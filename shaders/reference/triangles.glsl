@@ -29,12 +29,15 @@ layout(push_constant, scalar) uniform Push {
   Pixels sums;           // of linear radiance over the turns
   Pixels compensation;   // what the sums lost to rounding
   Pixels display_sums;   // of tone-mapped shading samples
+  Vectors2 second_uvs;
+  Vectors4 colours;
 };
 
 layout(set = 0, binding = 1, std430) readonly buffer Turn { TurnConstants turn; };
 layout(set = 0, binding = 2, std430) readonly buffer Materials { MaterialRecord materials[]; };
 layout(set = 0, binding = 3, std430) readonly buffer Levels { TextureLevel levels[]; };
 layout(set = 0, binding = 4, std430) readonly buffer MaterialTextures { uvec4 material_textures[]; };
+layout(set = 0, binding = 5, std430) readonly buffer UvMappings { UvMappingRecord uv_mappings[]; };
 
 // Where sample `s` of this turn lies in its pixel: samples 0 1 over 2 3, each somewhere in its quarter.
 vec2 sample_place(uint s) { return 0.25 + 0.5 * vec2(s & 1u, s >> 1) - turn.shift.xy; }
@@ -75,13 +78,33 @@ struct Coordinates {
   vec2 uv, dx, dy;
 };
 
-Coordinates coordinates_of(uvec3 vertex, Weights w) {
-  vec2 a = uvs.at[vertex.x], b = uvs.at[vertex.y], c = uvs.at[vertex.z];
+Coordinates interpolated(vec2 a, vec2 b, vec2 c, Weights w) {
   Coordinates result;
   result.uv = w.value.x * a + w.value.y * b + w.value.z * c;
   result.dx = w.dx.x * a + w.dx.y * b + w.dx.z * c;
   result.dy = w.dy.x * a + w.dy.y * b + w.dy.z * c;
   return result;
+}
+
+// Where texture `which` of material `material` (its number in material_textures) is read.
+Coordinates coordinates_of(uvec3 vertex, Weights w, uint material, uint which) {
+  Coordinates c = interpolated(uvs.at[vertex.x], uvs.at[vertex.y], uvs.at[vertex.z], w);
+  if (has_feature(FEATURE_SECOND_UV)) {
+    Coordinates second = interpolated(second_uvs.at[vertex.x], second_uvs.at[vertex.y], second_uvs.at[vertex.z], w);
+    if ((materials[material].flags.x & (MATERIAL_SECOND_UV << which)) != 0u) c = second;
+  }
+  if (has_feature(FEATURE_TEXTURE_TRANSFORM)) {
+    UvMappingRecord mapping = uv_mappings[materials[material].flags.y + which];
+    mat2 linear = transpose(mat2(mapping.row[0].xy, mapping.row[1].xy));
+    c.uv = linear * c.uv + vec2(mapping.row[0].z, mapping.row[1].z);
+    c.dx = linear * c.dx;
+    c.dy = linear * c.dy;
+  }
+  return c;
+}
+
+vec4 colour_of(uvec3 vertex, Weights w) {
+  return w.value.x * colours.at[vertex.x] + w.value.y * colours.at[vertex.y] + w.value.z * colours.at[vertex.z];
 }
 
 uvec3 vertices_of(ReferenceTriangle t) {

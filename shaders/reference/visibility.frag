@@ -47,9 +47,10 @@ void main() {
   vec2 point = vec2(texel >> 1) + sample_place(s);
   float alpha = m.base_colour.a;
   if (has_feature(FEATURE_BASE_TEXTURE)) {
-    Coordinates c = coordinates_of(vertices_of(t), weights_at(triangle - 1u, point));
+    Coordinates c = coordinates_of(vertices_of(t), weights_at(triangle - 1u, point), t.source.z, 0u);
     alpha *= texture_at(material_textures[t.source.z].x, c).a;
   }
+  if (has_feature(FEATURE_VERTEX_COLOUR)) alpha *= colour_of(vertices_of(t), weights_at(triangle - 1u, point)).a;
   bool blend = (m.flags.x & MATERIAL_ALPHA_BLEND) != 0u;
   if (alpha < (blend ? blend_threshold(triangle, s) : m.emissive_cutoff.w)) discard;
 #endif

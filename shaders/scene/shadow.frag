@@ -1,5 +1,6 @@
+// variants: TESTED= COLOURED=-DCOLOURED=1
 // Computes: whether an alpha-tested surface is there.
-// Reads: uv, the material's record and base colour texture.
+// Reads: uv, the material's record and base colour texture; with COLOURED the vertices' alpha.
 // Writes: depth, unless discarded.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -7,10 +8,22 @@
 #include "include/material.glsl"
 
 layout(set = 0, binding = 1, std430) readonly buffer Materials { MaterialRecord materials[]; };
-layout(push_constant, scalar) uniform Push { layout(offset = 88) uint material; };
+layout(push_constant, scalar) uniform Push { layout(offset = 96) uint material; };
 layout(location = 0) in vec2 uv;
+#ifdef COLOURED
+layout(location = 1) in float vertex_alpha;
+#endif
 
 void main() {
   MaterialRecord m = materials[material];
-  if (material_alpha(m, uv, dFdx(uv), dFdy(uv)) < m.emissive_cutoff.w) discard;
+  VertexInputs v;
+  v.first = TextureCoordinates(uv, dFdx(uv), dFdy(uv));
+  v.second = v.first;
+  v.colour = vec4(1.0);
+  TextureCoordinates c = coordinates_of(m, 0u, v);
+  float alpha = material_alpha(m, c.uv, c.dx, c.dy);
+#ifdef COLOURED
+  alpha *= vertex_alpha;
+#endif
+  if (alpha < m.emissive_cutoff.w) discard;
 }

@@ -1,7 +1,7 @@
-// variants: SOLID= TESTED=-DTESTED=1
-// Computes: the sun's clip position of a vertex, and with TESTED its texture coordinates.
+// variants: SOLID= TESTED=-DTESTED=1 COLOURED=-DTESTED=1,-DCOLOURED=1
+// Computes: the sun's clip position of a vertex, with TESTED its texture coordinates, with COLOURED its colour's alpha.
 // Reads: vertex streams and instances by address.
-// Writes: gl_Position, uv.
+// Writes: gl_Position, uv, alpha.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -10,18 +10,23 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Positions { vec3 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Uvs { vec2 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Colours { vec4 at[]; };
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Instances { InstanceRecord at[]; };
 
 layout(push_constant, scalar) uniform Push {
   mat4 world_to_clip;
   Positions positions;
-  Uvs uvs;
+  Uvs uvs;  // those that the material's base colour is read by
   Instances instances;
+  Colours colours;
   uint material;
 };
 
 #ifdef TESTED
 layout(location = 0) out vec2 uv;
+#endif
+#ifdef COLOURED
+layout(location = 1) out float alpha;
 #endif
 
 void main() {
@@ -32,5 +37,8 @@ void main() {
   gl_Position = world_to_clip * vec4(dot(row0, local), dot(row1, local), dot(row2, local), 1.0);
 #ifdef TESTED
   uv = uvs.at[gl_VertexIndex];
+#endif
+#ifdef COLOURED
+  alpha = colours.at[gl_VertexIndex].a;
 #endif
 }

@@ -33,6 +33,7 @@ void main() {
     fragment.normal = given.words.y;
     fragment.roughness = given.words.z;
     fragment.emission = 0u;
+    fragment.moments = dcaa_moments_of(fragment.normal);
     dcaa_add(state.word[0], surface, fragment, ray, view);
   }
   for (uint i = 0u; i < SURFACES; ++i) dcaa_pack(surface[i], i, state);

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "tests/hard_cases/case_run.hpp"
+#include "tests/technique/rich_scene.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
 
 namespace subpixel::replay {
@@ -25,18 +26,23 @@ TEST(Features, APlainSceneAllocatesNothingItDoesNotNeed) {
   EXPECT_EQ(plain.scene.features().bits, FEATURE_SUN);
   EXPECT_EQ(plain.scene.uvs.bytes(), kEmptyBuffer);
   EXPECT_EQ(plain.scene.tangents.bytes(), kEmptyBuffer);
+  for (const gpu::Buffer* buffer :
+       {&plain.scene.second_uvs, &plain.scene.colours, &plain.scene.uv_mappings, &plain.scene.spot_cones})
+    EXPECT_EQ(buffer->bytes(), kEmptyBuffer) << buffer->name();
   EXPECT_EQ(plain.scene.shadow_map.description().width, 1u);
   // The whole ledger: geometry, one material, and two images of a texel.
   const std::uint64_t needed = plain.scene.positions.bytes() + plain.scene.normals.bytes() +
                                plain.scene.indices.bytes() + plain.scene.instances.bytes() +
                                plain.scene.materials.bytes() + plain.scene.frame_constants.bytes() +
-                               plain.scene.shadow_map.bytes() + 2 * kEmptyBuffer;
+                               plain.scene.shadow_map.bytes() + 6 * kEmptyBuffer;
   EXPECT_LE(plain.scene.bytes() - needed, 4096u) << "the white texel's image and nothing else";
 
   CaseScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures});
   EXPECT_EQ(general.scene.features().bits, kAllFeatures);
   EXPECT_GT(general.scene.uvs.bytes(), kEmptyBuffer);
   EXPECT_GT(general.scene.tangents.bytes(), kEmptyBuffer);
+  EXPECT_GT(general.scene.second_uvs.bytes(), kEmptyBuffer);
+  EXPECT_GT(general.scene.colours.bytes(), kEmptyBuffer);
   EXPECT_EQ(general.scene.shadow_map.description().width, 2048u);
   EXPECT_GT(general.scene.bytes(), plain.scene.bytes() + 4 * 2048 * 2048);
 }
@@ -123,9 +129,10 @@ TEST_P(FeaturesOf, APlainScenesShadersReadNothingElse) {
   for (gpu_types::MaterialRecord& material : scene.scene.materials.as<gpu_types::MaterialRecord>()) {
     material.base_colour.w = kBad;
     material.emissive_cutoff = glm::vec4(kBad);
-    material.metal_rough.x = kBad;
+    material.metal_rough.x = material.metal_rough.z = kBad;
     material.flags.x |= MATERIAL_BASE_TEXTURE | MATERIAL_ALPHA_TEST | MATERIAL_NORMAL_MAP | MATERIAL_ROUGHNESS_TEXTURE |
-                        MATERIAL_EMISSIVE_TEXTURE | MATERIAL_ALPHA_BLEND;
+                        MATERIAL_EMISSIVE_TEXTURE | MATERIAL_ALPHA_BLEND | MATERIAL_UNLIT | 15 * MATERIAL_SECOND_UV;
+    material.flags.y = 1u << 30;
   }
   auto& frame = scene.scene.frame_constants.as<gpu_types::FrameConstants>()[0];
   frame.shadow_matrix = glm::mat4(kBad);
@@ -190,8 +197,9 @@ TEST_P(FeaturesOf, FittedLayoutsHoldOnlyWhatTheSceneNeeds) {
 }
 
 TEST_P(FeaturesOf, GeneralShadersShowTheSame) {
-  for (const std::string_view name : {"cube", "quads", "spheres", "hard_alpha_foliage", "hard_shadow_albedo"}) {
-    const capture::Capture capture = capture::generate(name, {.frames = 1, .width = 48, .height = 36});
+  for (const std::string_view name : {"cube", "quads", "spheres", "hard_alpha_foliage", "hard_shadow_albedo", "rich"}) {
+    const capture::Capture capture = name == "rich" ? rich_scene(UvSource::transforms)
+                                                    : capture::generate(name, {.frames = 1, .width = 48, .height = 36});
     CaseScene specialised(test_device(), capture);
     CaseScene general(test_device(), capture, {.forced_features = kAllFeatures});
     ASSERT_NE(specialised.scene.features().bits, kAllFeatures) << name;

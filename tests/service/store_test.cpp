@@ -7,7 +7,6 @@
 
 #include "capture_format/error.hpp"
 #include "server/embedded_files.hpp"
-#include "server/text.hpp"
 #include "tests/service/service_fixture.hpp"
 
 namespace subpixel::tests {
@@ -153,19 +152,6 @@ TEST_F(StoreTest, ThumbnailsGoFirstAndEachRunGoesToOne) {
   EXPECT_FALSE(store.start_next_run());
   store.requeue_running(false);
   EXPECT_EQ(store.start_next_run().value().starts_without_result, 2u);
-}
-
-TEST(Printable, IsValidUtf8WithoutControls) {
-  using server::printable;
-  EXPECT_EQ(printable("plain", 10), "plain");
-  EXPECT_EQ(printable("a\tb\x7f", 10), "a b ");
-  EXPECT_EQ(printable("gr\xc3\xbc\xc3\x9f", 10), "gr\xc3\xbc\xc3\x9f");
-  EXPECT_EQ(printable("\xc3", 10), "\xef\xbf\xbd");
-  EXPECT_EQ(printable("\xed\xa0\x80", 20), "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd") << "a surrogate";
-  EXPECT_EQ(printable("abcdefgh", 6), "abc\xe2\x80\xa6");
-  EXPECT_EQ(printable("\xc3\xbc\xc3\xbc\xc3\xbc", 5), "\xc3\xbc\xe2\x80\xa6") << "no character is cut";
-  EXPECT_EQ(printable("abcdef", 6), "abcdef");
-  EXPECT_EQ(printable("ab", 1), "");
 }
 
 }  // namespace

@@ -49,8 +49,12 @@ std::vector<AgaaTestResult> run_on_device(const Sets& sets, std::uint32_t option
   pass.name = "aggregate";
   pass.shader = "tests/agaa_aggregate.comp";
   pass.constants = {{0, sets.samples}, {1, features}, {2, blinn_phong ? 1u : 0u}, {8, options}, {9, 1}};
-  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, surfaces), gpu::reads(1, views),
-                   gpu::writes(2, out), gpu::samples(7, scene.shadow_map, &scene.shadow_sampler)};
+  pass.bindings = {gpu::uniform(scene.frame_constants),
+                   gpu::reads(0, surfaces),
+                   gpu::reads(1, views),
+                   gpu::writes(2, out),
+                   gpu::reads(8, scene.spot_cones),
+                   gpu::samples(7, scene.shadow_map, &scene.shadow_sampler)};
   struct {
     std::uint32_t count;
     float largest_emission;

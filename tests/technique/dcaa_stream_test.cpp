@@ -90,7 +90,7 @@ std::uint32_t facet_words(const Options& o) {
   return o.normal_format == DCAA_NORMAL_3X32 ? 3 : 1;
 }
 std::uint32_t surface_words(const Options& o) {
-  return (o.samples == 64 ? 2 : 1) + facet_words(o) + 3 + (o.depth_bits == 32 ? 1 : 0);
+  return (o.samples == 64 ? 2 : 1) + facet_words(o) + 3 + (o.depth_bits == 32 ? 1 : 0) + (o.second_moments ? 3 : 0);
 }
 std::uint32_t state_words(const Options& o) {
   return (1 + o.surfaces * surface_words(o) + 3) / 4 * 4;
@@ -106,6 +106,12 @@ Surface read_surface(const Options& o, const std::uint32_t* w) {
   s.roughness = static_cast<std::uint8_t>(w[2]);
   const std::uint32_t shift = o.depth_bits == 32 ? 0 : 28 - o.depth_bits;
   s.depth = std::bit_cast<float>(o.depth_bits == 32 ? w[3] : (96u << 23) + (w[2] >> 8 << shift));
+  if (!o.second_moments) return s;
+  w += o.depth_bits == 32 ? 4 : 3;
+  for (std::size_t i = 0; i < 3; ++i) {
+    s.moments[i] = static_cast<std::uint16_t>(w[i]);
+    s.moments[3 + i] = static_cast<std::uint16_t>(w[i] >> 16);
+  }
   return s;
 }
 
@@ -123,17 +129,18 @@ std::vector<std::uint32_t> run_on_device(const Options& o, const Streams& stream
   gpu::ComputePass pass;
   pass.name = "stream";
   pass.shader = "tests/dcaa_stream.comp";
-  pass.constants = {{0, o.samples},
-                    {1, FEATURE_VARYING_ROUGHNESS | FEATURE_METAL},
-                    {10, o.surfaces},
-                    {11, std::bit_cast<std::uint32_t>(o.cos_normal_angle)},
-                    {12, (o.second_merge && !o.nearest ? DCAA_SECOND_MERGE : 0u) |
-                             (o.keep_front ? DCAA_KEEP_FRONT : 0u) | (o.weight_by_shown ? DCAA_WEIGHT_SHOWN : 0u) |
-                             (o.distribution ? DCAA_DISTRIBUTION : 0u) | (o.nearest ? DCAA_NEAREST : 0u)},
-                    {13, o.normal_format},
-                    {14, o.depth_bits},
-                    {17, std::bit_cast<std::uint32_t>(o.depth_reach)},
-                    {18, std::bit_cast<std::uint32_t>(o.inverse_length)}};
+  pass.constants = {
+      {0, o.samples},
+      {1, FEATURE_VARYING_ROUGHNESS | FEATURE_METAL},
+      {10, o.surfaces},
+      {11, std::bit_cast<std::uint32_t>(o.cos_normal_angle)},
+      {12, (o.second_merge && !o.nearest ? DCAA_SECOND_MERGE : 0u) | (o.keep_front ? DCAA_KEEP_FRONT : 0u) |
+               (o.weight_by_shown ? DCAA_WEIGHT_SHOWN : 0u) | (o.distribution ? DCAA_DISTRIBUTION : 0u) |
+               (o.nearest ? DCAA_NEAREST : 0u) | (o.second_moments ? DCAA_SECOND_MOMENTS : 0u)},
+      {13, o.normal_format},
+      {14, o.depth_bits},
+      {17, std::bit_cast<std::uint32_t>(o.depth_reach)},
+      {18, std::bit_cast<std::uint32_t>(o.inverse_length)}};
   pass.bindings = {gpu::uniform(frame), gpu::reads(0, ranges), gpu::reads(1, fragments), gpu::reads(2, view),
                    gpu::writes(3, words)};
   pass.groups = {static_cast<std::uint32_t>((streams.ranges.size() + 63) / 64), 1, 1};
@@ -164,6 +171,7 @@ void expect_same_surfaces(const Options& o, std::uint32_t pixels, std::uint32_t 
       for (std::size_t c = 0; c < 4; ++c) s.albedo[c] = static_cast<std::uint8_t>(f.words.x >> (8 * c));
       s.normal = f.words.y;
       s.roughness = static_cast<std::uint8_t>(f.words.z);
+      if (o.second_moments) s.moments = moments_of(s.normal, o.distribution);
       paper.add(s);
     }
     const std::uint32_t* const state = words.data() + i * state_words(o);
@@ -222,6 +230,19 @@ TEST(HybridStream, LeavesTheSurfacesOfItsRulesOn100000Pixels) {
   EXPECT_GT(totals.first_merges, 300000u);
   EXPECT_GT(totals.second_merges, 100000u);
   EXPECT_GT(totals.discards, 100000u);  // surfaces of which nothing shows
+}
+
+TEST(HybridStream, SecondMomentsAreBlendedAsTheirMeans) {
+  Totals totals;
+  for (const std::uint32_t surfaces : {4u, 8u}) {
+    Options o;
+    o.nearest = o.distribution = o.weight_by_shown = o.second_moments = true;
+    o.surfaces = surfaces;
+    o.samples = surfaces == 8 ? 16 : 64;
+    expect_same_surfaces(o, 10000, 500 + surfaces, totals);
+  }
+  EXPECT_GT(totals.first_merges, 50000u);
+  EXPECT_GT(totals.second_merges, 10000u);
 }
 
 TEST(HybridStream, MeansWithLengthsUnderTheOldRules) {

@@ -34,7 +34,7 @@ struct Options {
   float depth_reach = 0.5f;
   std::uint32_t normal_format = DCAA_NORMAL_2X16, depth_bits = 24;
   // `hybrid`: mean normals keep their length; what has to go joins the nearest in units of k.
-  bool distribution = false, nearest = false;
+  bool distribution = false, nearest = false, second_moments = false;
   float inverse_length = 1;
 };
 
@@ -116,6 +116,7 @@ struct Surface {
   std::array<std::uint8_t, 4> albedo{};
   std::uint32_t normal = 0;
   std::uint8_t roughness = 0;
+  std::array<std::uint16_t, 6> moments{};  // of the shading normals: xx, yy, zz from 0 to 1; xy, xz, yz from -1 to 1
   bool operator==(const Surface&) const = default;
 };
 
@@ -130,6 +131,14 @@ inline Vector from_shading(std::uint32_t word, bool with_length) {
   const float root = static_cast<float>(word >> 24) / 255.0f, length = 1.0f - root * root;
   const Vector n = from_octahedral(word & 0xffffffu, 12);
   return {n.x * length, n.y * length, n.z * length};
+}
+
+inline std::array<std::uint16_t, 6> moments_of(std::uint32_t normal, bool with_length) {
+  const Vector n = unit(from_shading(normal, with_length));
+  const auto field = [](float value) { return static_cast<std::uint16_t>(std::nearbyint(value * 65535.0f)); };
+  const auto product = [&](float a, float b) { return field(a * b * 0.5f + 0.5f); };
+  return {field(n.x * n.x),  field(n.y * n.y),  field(n.z * n.z),
+          product(n.x, n.y), product(n.x, n.z), product(n.y, n.z)};
 }
 
 struct Interval {
@@ -230,6 +239,10 @@ class Pixel {
     m.albedo[3] = byte(static_cast<float>(a.albedo[3]) * wa + static_cast<float>(b.albedo[3]) * wb);
     const bool length = options_.distribution;
     m.normal = to_shading(blend(from_shading(a.normal, length), from_shading(b.normal, length)), length);
+    for (std::size_t i = 0; i < m.moments.size(); ++i) {
+      m.moments[i] = static_cast<std::uint16_t>(
+          std::nearbyint(static_cast<float>(a.moments[i]) * wa + static_cast<float>(b.moments[i]) * wb));
+    }
     m.roughness = byte(static_cast<float>(a.roughness) * wa + static_cast<float>(b.roughness) * wb);
     return m;
   }

@@ -24,13 +24,14 @@ struct Probe {
 
 enum class Model : std::uint32_t { ggx = 0, blinn_phong = 1 };
 
-// Sun, two point lights and an ambient term; no shadows.
+// Sun, two point lights, a spot light and an ambient term; no shadows.
 capture::Capture lit_capture() {
   auto capture = flat_capture(16, 16);
   auto& frame = capture.frames[0];
   frame.ambient = {0.2f, 0.3f, 0.4f};
   frame.sun = capture::DirectionalLight{{-0.3f, -0.2f, -0.9f}, {2, 2.5f, 3}, false};
-  frame.point_lights = {{{1, 2, 3}, {5, 4, 3}, 8}, {{-2, 0, 1}, {1, 2, 6}, 4}};
+  frame.point_lights = {{{1, 2, 3}, {5, 4, 3}, 8}, {{-2, 0, 1}, {1, 2, 6}, 4}, {{2, -1, 0}, {3, 5, 2}, 9}};
+  frame.point_lights[2].cone = capture::SpotCone{{-1, 0.5f, 0.25f}, 0.8f, -0.3f};
   capture::Material material;  // needs every part of shade()
   material.emissive = {1, 1, 1};
   material.metallic = 0.5f;
@@ -52,7 +53,7 @@ std::vector<glm::vec4> shade_on_device(const capture::Capture& capture, const st
   pass.shader = "tests/shade_probe.comp";
   pass.constants = {{1, scene.features().bits}, {2, static_cast<std::uint32_t>(model)}};
   pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, in), gpu::writes(1, out),
-                   gpu::samples(7, scene.shadow_map, &scene.shadow_sampler)};
+                   gpu::reads(8, scene.spot_cones), gpu::samples(7, scene.shadow_map, &scene.shadow_sampler)};
   const auto count = static_cast<std::uint32_t>(probes.size());
   pass.push = gpu::PushConstants(count);
   pass.groups = {(count + 63) / 64, 1, 1};
@@ -118,7 +119,14 @@ glm::dvec3 expected_radiance(const capture::Frame& frame, const Probe& probe, Mo
     const double distance = glm::length(to_light), range = light.range;
     const double window = std::max(0.0, 1 - std::pow(distance / range, 4));
     const double nearest = std::max(distance, 0.01 * range);
-    radiance += vec(light.intensity) * (window * window / (nearest * nearest)) * brdf.reflected(to_light / distance);
+    double cone = 1;
+    if (light.cone) {
+      const double cosine = -glm::dot(to_light / distance, glm::normalize(vec(light.cone->direction)));
+      const double inner = light.cone->inner_cosine, outer = light.cone->outer_cosine;
+      cone = std::pow(std::clamp((cosine - outer) / (inner - outer), 0.0, 1.0), 2);
+    }
+    radiance +=
+        vec(light.intensity) * (cone * window * window / (nearest * nearest)) * brdf.reflected(to_light / distance);
   }
   return radiance;
 }

@@ -9,6 +9,7 @@
 #include "replay/gpu/litmus.hpp"
 #include "replay/reference/reference.hpp"
 #include "replay/techniques/frame_setup.hpp"
+#include "tests/technique/rich_scene.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -62,6 +63,11 @@ std::vector<ParameterValues> runs_of(const Technique& technique) {
   return runs;
 }
 
+capture::Capture two_frames(capture::Capture capture) {
+  capture.frames.push_back(capture.frames[0]);
+  return capture;
+}
+
 void run(gpu::Device& device, GpuScene& scene, const Technique& technique, const ParameterValues& given) {
   const ParameterValues parameters = check_parameters(technique.name, technique.parameters, given);
   const auto samples = parameters.at("samples").get<std::uint32_t>();
@@ -98,7 +104,7 @@ class Validation : public testing::Test {
 };
 
 TEST_F(Validation, EveryTechniqueAndTheReference) {
-  // Alpha test, emission and the sun; the second scene has the shaders for everything else as well.
+  // Alpha test, emission and the sun; the second scene has everything else as well.
   const capture::Capture capture = capture::generate("quads", {2, kWidth, kHeight, 1, 1});
   const auto said = messages([&](gpu::Device& device, std::vector<std::string>& so_far) {
     const auto expect_silence = [&](std::string_view what) {
@@ -107,7 +113,8 @@ TEST_F(Validation, EveryTechniqueAndTheReference) {
     };
     gpu::require_ordered_access(device);
     expect_silence("litmus");
-    GpuScene plain(device, capture, {std::nullopt, 256, 0}), rich(device, capture, {4, 256, kAllFeatures});
+    const capture::Capture inputs = two_frames(rich_scene(UvSource::mixed));
+    GpuScene plain(device, capture, {std::nullopt, 256, 0}), rich(device, inputs, {4, 256, kAllFeatures});
     std::uint32_t frame = 0;
     for (GpuScene* scene : {&plain, &rich}) scene->set_frame(frame, kWidth, kHeight);
     expect_silence("scene");

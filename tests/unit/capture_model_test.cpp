@@ -46,6 +46,53 @@ TEST(CaptureValidator, NotesOddVerticesButTakesThem) {
   EXPECT_EQ(refusal(encode_capture(capture)), "");
 }
 
+TEST(CaptureValidator, NotesOddUvsAndColours) {
+  Capture capture = version_2_capture();
+  EXPECT_EQ(count(validate_capture(capture), Problem::Severity::note, "field"), 0u);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  capture.buffers[5].bytes = bytes_of(std::vector<float>{nan, 0, 0, 1, 1, 1, nan, 1, 1, 1, -1, 1});
+  Draw& draw = capture.frames[0].draws[0];
+  draw.uv2 = {5, VertexFormat::float32x2, 0, 8};
+  draw.colour = {5, VertexFormat::float32x4, 0, 0};
+  std::vector<Problem> problems = validate_capture(capture);
+  EXPECT_EQ(count(problems, Problem::Severity::note, "field uv2: 2 of its uvs are not finite"), 1u);
+  EXPECT_EQ(count(problems, Problem::Severity::note, "field colour: 4 of its colours are negative or not finite"), 1u);
+  draw.colour = {5, VertexFormat::float32x4, 16, 16};
+  draw.vertex_count = 2;
+  draw.index_count = 0;
+  EXPECT_EQ(count(validate_capture(capture), Problem::Severity::note, "field colour: 2 of its colours"), 1u)
+      << "alpha NaN, blue negative";
+  EXPECT_EQ(count(validate_capture(capture), Problem::Severity::error, ""), 0u);
+  capture.materials[1].normal_uv.matrix = {1, 2, 0, 2, 4, 0};
+  EXPECT_EQ(count(validate_capture(capture), Problem::Severity::note, "material 1, field normal_uv.matrix: singular"),
+            1u);
+}
+
+TEST(CaptureValidator, NotesUvSetsThatAreAbsentOrUnused) {
+  Capture capture = version_2_capture();
+  capture.frames.push_back(capture.frames[0]);
+  for (Frame& frame : capture.frames) {
+    for (Draw& draw : frame.draws) draw.uv2 = {};
+  }
+  std::vector<Problem> problems = validate_capture(capture);
+  EXPECT_EQ(count(problems, Problem::Severity::error, ""), 0u);
+  EXPECT_EQ(count(problems, Problem::Severity::note,
+                  "frame 0, draw 0 (indexed), field uv2: absent: the textures of material 1 are read at (0, 0)"),
+            1u);
+  EXPECT_EQ(count(problems, Problem::Severity::note, "absent"), 1u) << "the third frame has the same draws";
+  EXPECT_EQ(refusal(encode_capture(capture)), "");
+
+  for (Material& material : capture.materials) material.normal_uv.set = material.base_colour_uv.set = 0;
+  for (Frame& frame : capture.frames) {
+    for (Draw& draw : frame.draws) draw.uv2 = draw.position, draw.uv = {};
+  }
+  problems = validate_capture(capture);
+  EXPECT_EQ(count(problems, Problem::Severity::note, "field uv: absent: the textures of material 1 are read at (0, 0)"),
+            1u);
+  EXPECT_EQ(count(problems, Problem::Severity::note, "field uv2: unused: no texture of material 1"), 1u);
+  EXPECT_EQ(count(problems, Problem::Severity::note, "field uv2: unused: no texture of material 0"), 1u);
+}
+
 TEST(CaptureValidator, CollectsEveryBrokenRule) {
   Capture capture = small_capture();
   capture.metadata.metres_per_unit = 0;
@@ -117,6 +164,24 @@ TEST(CaptureRecorder, MakesTheSameCapture) {
   EXPECT_TRUE(recorder.capture().frames.empty());
 }
 
+TEST(CaptureRecorder, EqualTexturesWithOtherSamplersAreOthers) {
+  Recorder recorder(Metadata{});
+  const Texture texture = small_capture().textures[0];
+  EXPECT_EQ(recorder.add_texture(texture), 0u);
+  std::vector<Texture> others(5, texture);
+  others[0].sampler.wrap_u = Wrap::clamp_to_edge;
+  others[1].sampler.wrap_v = Wrap::clamp_to_edge;
+  others[2].sampler.magnify = TexelFilter::nearest;
+  others[3].sampler.minify = TexelFilter::nearest;
+  others[4].sampler.mip = MipFilter::nearest;
+  for (std::uint32_t i = 0; i < others.size(); ++i) EXPECT_EQ(recorder.add_texture(others[i]), i + 1);
+  for (std::uint32_t i = 0; i < others.size(); ++i) EXPECT_EQ(recorder.add_texture(others[i]), i + 1);
+  EXPECT_EQ(recorder.add_texture(texture), 0u);
+  const Capture read = decode_capture(encode_capture(recorder.take()));
+  ASSERT_EQ(read.textures.size(), 6u);
+  EXPECT_EQ(read.textures[5].sampler, others[4].sampler);
+}
+
 TEST(CaptureRecorder, RefusesAtTheCallAndGoesOn) {
   Recorder recorder(Metadata{});
   EXPECT_THROW(recorder.draw(Draw{}), UsageError);
@@ -151,7 +216,32 @@ TEST(CaptureSummary, CountsAndNamesFeatures) {
   EXPECT_EQ(summary["features"], (nlohmann::json{"textures", "alpha test", "normal maps", "emissive", "two-sided",
                                                  "instancing", "shadows"}));
   EXPECT_EQ(summary["frames"][1]["draws"], 0);
+  EXPECT_EQ(summary["notices"], nlohmann::json::array());
   EXPECT_TRUE(used_features(Capture{}).empty());
+}
+
+TEST(CaptureSummary, NamesWhatVersion2Adds) {
+  Capture capture = version_2_capture();
+  const nlohmann::json summary = summarize(capture, "abc", 123);
+  EXPECT_EQ(summary["notices"], (nlohmann::json{"ignored: morph targets of 3 meshes", ""}));
+  const std::vector<std::string> all{
+      "textures",    "alpha test",     "normal maps",   "emissive",           "two-sided", "instancing", "shadows",
+      "spot lights", "vertex colours", "second UV set", "texture transforms", "samplers",  "unlit"};
+  EXPECT_EQ(used_features(capture), all);
+  const auto has = [&](const char* feature) {
+    const std::vector<std::string> features = used_features(capture);
+    return std::find(features.begin(), features.end(), feature) != features.end();
+  };
+  // What stands in a capture without any effect is not used.
+  capture.materials[1].base_colour_texture = capture.materials[1].normal_texture = kNone;
+  EXPECT_FALSE(has("second UV set"));
+  EXPECT_FALSE(has("texture transforms"));
+  EXPECT_FALSE(has("samplers"));
+  capture.materials[1].emissive_texture = 0;
+  EXPECT_TRUE(has("texture transforms"));
+  EXPECT_TRUE(has("samplers"));
+  capture.frames[0].draws[0].material = 0;
+  EXPECT_FALSE(has("unlit"));
 }
 
 TEST(CaptureCamera, SineIsTheMachinesToElevenDigits) {

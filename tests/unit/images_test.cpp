@@ -1,4 +1,4 @@
-#include "replay/measure/image.hpp"
+#include "replay/measure/image_file.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

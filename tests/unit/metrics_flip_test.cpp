@@ -143,6 +143,20 @@ TEST(Flip, SmallestImagesAndStrangeValuesStayInRange) {
   }
 }
 
+TEST(Flip, WhatIsNotFiniteIsNeverEqual) {
+  const Image black(40, 30, 3);
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                            -std::numeric_limits<float>::infinity()}) {
+    Image strange = black;
+    strange.pixels[strange.offset(7, 5) + 1] = value;
+    for (const FlipResult& result : {flip(strange, black), flip(black, strange), flip(strange, strange)}) {
+      EXPECT_EQ(result.map.pixels[result.map.offset(7, 5)], 1);
+      EXPECT_EQ(result.maximum, 1);
+      EXPECT_GE(result.mean, 1.0 / (40 * 30));
+    }
+  }
+}
+
 TEST(Flip, RefusesOtherSizesAndImpossibleViewing) {
   EXPECT_THROW(flip(Image(4, 4, 3), Image(4, 5, 3)), InputError);
   EXPECT_THROW(flip(Image(4, 4, 3), Image(4, 4, 3), {.pixels_per_degree = 0}), InputError);

@@ -137,6 +137,12 @@ TEST(HdrFlip, BlackAndStrangeValuesStayInRange) {
   strange.pixels[8] = -3;
   for (const HdrFlipResult& result : {hdr_flip(strange, constant(1)), hdr_flip(constant(1), strange)})
     for (const float value : result.error.map.pixels) ASSERT_TRUE(value >= 0 && value <= 1);
+  // What is not finite has the largest error, also beside itself, and no say in the exposures.
+  const HdrFlipResult same = hdr_flip(strange, strange);
+  EXPECT_EQ(same.error.map.pixels[0], 1);
+  EXPECT_EQ(same.error.map.pixels[1], 1);
+  EXPECT_EQ(same.error.map.pixels[2], 0);
+  EXPECT_LE(same.exposures, 2u);
   EXPECT_THROW(hdr_flip(constant(1, 4, 4), constant(1, 5, 4)), InputError);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "capture_format/error.hpp"
 #include "replay/measure/percentiles.hpp"
@@ -124,6 +125,37 @@ TEST(Metrics, InvalidPixelsAreCounted) {
   image.pixels[2] = -1;
   image.pixels[5] = std::numeric_limits<float>::infinity();
   EXPECT_EQ(invalid_pixels(image), 2U);
+}
+
+TEST(Metrics, WhatIsNotFiniteIsTheLargestDifference) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
+  const Image black(20, 20, 3);
+  for (const float value : {nan, infinite, -infinite}) {
+    Image linear(20, 20, 3, Encoding::linear);
+    linear.pixels[linear.offset(9, 9) + 2] = value;
+    const Image shown = to_display(linear);
+    for (const auto& [a, b] : {std::pair{&shown, &black}, {&black, &shown}, {&shown, &shown}}) {
+      EXPECT_DOUBLE_EQ(mse(*a, *b), 1.0 / 400) << "a pixel is as a whole";
+      EXPECT_LT(ssim(*a, *b), -0.9) << "every window holds it";
+      EXPECT_EQ(error_map(*a, *b).pixels[9 * 20 + 9], 1);
+      EXPECT_DOUBLE_EQ(flicker(*a, *a, *b, *b), 2.0 / 400);
+    }
+    const Image dark(20, 20, 3, Encoding::linear);
+    EXPECT_DOUBLE_EQ(hdr_relative_mse(dark, linear), relative_error_limit / 1200);
+    EXPECT_DOUBLE_EQ(hdr_relative_mse(linear, linear), relative_error_limit / 1200);
+    EXPECT_TRUE(std::isfinite(hdr_relative_mse(linear, dark)));
+    EXPECT_EQ(not_finite_pixels(linear), 1U);
+  }
+}
+
+TEST(Metrics, MarkedPixelsAreThoseOfTheLinearImage) {
+  Image linear(3, 1, 3, Encoding::linear, 0.5F);
+  linear.pixels[4] = std::numeric_limits<float>::infinity();
+  Image display(3, 1, 3, Encoding::display, 0.25F);
+  mark_not_finite(linear, display);
+  EXPECT_EQ(not_finite_pixels(display), 1U);
+  EXPECT_TRUE(std::isnan(display.pixels[3]) && std::isnan(display.pixels[4]) && std::isnan(display.pixels[5]));
+  EXPECT_EQ(display.pixels[2], 0.25F);
 }
 
 TEST(Metrics, ShapesThatDifferAreRefusedByName) {

@@ -197,6 +197,10 @@ TEST(NightlyGates, LimitsNeedNoBaseline) {
   second(night).counters["invalid_pixels"] = 1;
   judge(night, nullptr, {}, {});
   EXPECT_EQ(outcome(night, "valid"), GateOutcome::failed);
+  night = a_night();
+  second(night).counters["invalid_reference_pixels"] = 1;
+  judge(night, nullptr, {}, {});
+  EXPECT_EQ(outcome(night, "valid"), GateOutcome::failed);
 }
 
 TEST(NightlyGates, TimeIsARatioBeyondTheSpreads) {

@@ -79,5 +79,23 @@ TEST(SceneLights, BrokenLightsAreLeftOutAndTooManyRefused) {
   EXPECT_FLOAT_EQ(light_constants({good})[0].intensity.w, 0.01f);
 }
 
+TEST(SceneLights, ConesBelongToTheLightsThatAreKept) {
+  capture::PointLight plain, spot, aimless, broken;
+  spot.cone = capture::SpotCone{{0, -2, 0}, 0.9f, 0.5f};
+  aimless.cone = capture::SpotCone{{0, 0, 0}, 0.9f, 0.5f};
+  broken.cone = spot.cone;
+  broken.cone->inner_cosine = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<capture::PointLight> lights{plain, aimless, spot, broken};
+  EXPECT_EQ(light_constants(lights).size(), 2u);
+  const auto cones = cone_constants(lights);
+  ASSERT_EQ(cones.size(), 2u);
+  EXPECT_EQ(cones[0].plane, glm::vec4(0, 0, 0, 1));
+  EXPECT_NEAR(cones[1].plane.y, -2.5f, 1e-5);  // unit direction over the cosines between inner and outer
+  EXPECT_NEAR(cones[1].plane.w, -1.25f, 1e-5);
+  // A cone without an edge is a step, and finite.
+  spot.cone->outer_cosine = spot.cone->inner_cosine;
+  EXPECT_TRUE(std::isfinite(cone_constants({spot})[0].plane.w));
+}
+
 }  // namespace
 }  // namespace subpixel::replay

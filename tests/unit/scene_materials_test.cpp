@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/unit/scene_fixture.hpp"
 
 namespace subpixel::replay {
@@ -45,6 +47,58 @@ TEST(SceneFeatures, AreWhatUsedMaterialsNeed) {
   EXPECT_EQ(features(material), FEATURE_BASE_TEXTURE);
   material.alpha_mode = capture::AlphaMode::test;
   EXPECT_EQ(features(material), FEATURE_BASE_TEXTURE | FEATURE_ALPHA_TEST);
+}
+
+TEST(SceneFeatures, AreWhatTexturesAndColoursNeed) {
+  capture::Material material;
+  // Nothing is read by these.
+  material.base_colour_uv.set = 1;
+  material.normal_uv.matrix[0] = 2;
+  material.normal_scale = 3;
+  EXPECT_EQ(features(material), 0u);
+  material.base_colour_texture = 0;
+  EXPECT_EQ(features(material), FEATURE_BASE_TEXTURE | FEATURE_SECOND_UV);
+  material.normal_texture = 0;
+  EXPECT_EQ(features(material), FEATURE_BASE_TEXTURE | FEATURE_SECOND_UV | FEATURE_NORMAL_MAP | FEATURE_NORMAL_SCALE |
+                                    FEATURE_TEXTURE_TRANSFORM);
+  material.normal_uv.matrix[0] = std::numeric_limits<float>::quiet_NaN();  // as if it were not there
+  material.normal_scale = 1;
+  EXPECT_EQ(features(material), FEATURE_BASE_TEXTURE | FEATURE_SECOND_UV | FEATURE_NORMAL_MAP);
+  // Of an unlit material the base colour alone counts.
+  material.unlit = true;
+  material.roughness = 0.3f;
+  material.emissive_texture = material.metallic_roughness_texture = 0;
+  EXPECT_EQ(features(material),
+            FEATURE_BASE_TEXTURE | FEATURE_SECOND_UV | FEATURE_UNLIT | FEATURE_EMISSIVE | FEATURE_METAL);
+  auto capture = one_material(material);
+  capture.materials.push_back({});
+  add_triangles(capture, {0, 0, 0, 1, 0, 0, 0, 1, 0}, 1);
+  EXPECT_EQ(detect_features(capture, PointLights::captured) & FEATURE_VARYING_ROUGHNESS, 0u);
+  capture.textures[0].sampler.wrap_v = capture::Wrap::clamp_to_edge;
+  EXPECT_NE(detect_features(capture, PointLights::captured) & FEATURE_SAMPLERS, 0u);
+}
+
+TEST(SceneFeatures, TranslucentColoursMakeAnAlphaTest) {
+  capture::Material material;
+  material.alpha_mode = capture::AlphaMode::test;
+  auto capture = one_material(material);
+  auto& colour = capture.frames[0].draws[0].colour;
+  colour = {0, capture::VertexFormat::float32x3, 0, 12};
+  EXPECT_EQ(detect_features(capture, PointLights::captured), FEATURE_VERTEX_COLOUR);
+  colour.format = capture::VertexFormat::unorm8x4;
+  EXPECT_EQ(detect_features(capture, PointLights::captured), FEATURE_VERTEX_COLOUR | FEATURE_ALPHA_TEST);
+  const auto use = material_uses(capture)[0];
+  EXPECT_NE(record_of(capture.materials[0], 0, use).flags.x & MATERIAL_ALPHA_TEST, 0u);
+  capture.materials[0].alpha_mode = capture::AlphaMode::opaque;
+  EXPECT_EQ(detect_features(capture, PointLights::captured), FEATURE_VERTEX_COLOUR);
+}
+
+TEST(SceneFeatures, SpotLightsAreThoseThatAreKept) {
+  auto capture = one_material({});
+  capture.frames[0].point_lights.resize(2);
+  capture.frames[0].point_lights[1].cone.emplace();
+  EXPECT_EQ(detect_features(capture, PointLights::captured), FEATURE_POINT_LIGHTS | FEATURE_SPOT_LIGHTS);
+  EXPECT_EQ(detect_features(capture, PointLights::none), 0u);
 }
 
 TEST(SceneFeatures, IgnoreMaterialsNothingUses) {

@@ -179,7 +179,10 @@ Aggregate aggregate_of_words(AggregateWords words, float roughness, float larges
     a.reflectance = vec3(kDielectricReflectance);
     if (has_feature(FEATURE_METAL)) {
       vec2 cbcr = vec2(ivec2(words.word[3] & 255u, words.word[3] >> 8 & 255u)) * unit8 - 0.5;
-      a.reflectance = colour_of(float(int(words.word[1] >> 16)) * unit16, cbcr);
+      float y = float(int(words.word[1] >> 16)) * unit16;
+      a.reflectance = colour_of(y, cbcr);
+      // Black has no chroma, however that was rounded: unlit surfaces reflect nothing at all.
+      if (has_feature(FEATURE_UNLIT)) a.reflectance = y > 0.0 ? a.reflectance : vec3(0.0);
     }
     if (has_feature(FEATURE_VARYING_ROUGHNESS)) a.roughness = float(int(words.word[kByteWord] >> 16 & 255u)) * unit8;
     for (uint c = 0u; c < 3u; ++c) {

@@ -86,6 +86,7 @@ Lobe prepare_lobe(Aggregate a, vec3 view) {
   b.exponent = exponent_of(filtered);
   b.diffuse = a.diffuse * (1.0 / kPi);
   b.reflectance = a.reflectance;
+  b.grazing = grazing_reflectance(b.reflectance);
   b.cosine = dot(direction, view);
   b.normal_view = clamp(b.cosine, kCosineFloor, 1.0);
   b.smith_view = sqrt(b.normal_view * b.normal_view * (1.0 - b.alpha_squared) + b.alpha_squared);
@@ -98,7 +99,7 @@ Lobe prepare_lobe(Aggregate a, vec3 view) {
   vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
   float a004 = min(r.x * r.x, exp2(-9.28 * b.normal_view)) * r.x + r.y;
   vec2 scale_bias = vec2(-1.04, 1.04) * a004 + r.zw;
-  vec3 specular = clamp(b.reflectance * scale_bias.x + scale_bias.y, 0.0, 1.0);
+  vec3 specular = clamp(b.reflectance * scale_bias.x + b.grazing * scale_bias.y, 0.0, 1.0);
   b.ambient = a.diffuse * (1.0 - specular) + specular;
   lobe.brdf = b;
   return lobe;
@@ -138,7 +139,7 @@ vec3 lobe_reflected(Lobe lobe, vec3 light) {
     float value = b.alpha_squared * half_squared * half_squared / (2.0 * kPi * denominator * denominator * visibility);
     float grazing = 1.0 - min(0.5 * sqrt(half_squared), 1.0);
     float schlick = grazing * grazing * grazing * grazing * grazing;
-    vec3 fresnel = b.reflectance + (1.0 - b.reflectance) * schlick;
+    vec3 fresnel = b.reflectance + (b.grazing - b.reflectance) * schlick;
     return b.diffuse * (1.0 - fresnel) * diffuse_cosine + fresnel * (value * normal_light);
   }
   vec2 halfway = vec2(dot(lobe.tangent, light + b.view), dot(lobe.bitangent, light + b.view));
@@ -157,7 +158,7 @@ vec3 lobe_reflected(Lobe lobe, vec3 light) {
   float value = half_squared * half_squared / (2.0 * kPi * lobe.root * denominator * denominator * visibility);
   float grazing = 1.0 - min(0.5 * sqrt(half_squared), 1.0);
   float schlick = grazing * grazing * grazing * grazing * grazing;
-  vec3 fresnel = b.reflectance + (1.0 - b.reflectance) * schlick;
+  vec3 fresnel = b.reflectance + (b.grazing - b.reflectance) * schlick;
   return b.diffuse * (1.0 - fresnel) * diffuse_cosine + fresnel * (value * normal_light);
 }
 

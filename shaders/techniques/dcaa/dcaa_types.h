@@ -27,6 +27,7 @@ using glm::vec4;
 #define DCAA_PREPASS 8u       // fragments behind the prepass's bound are dropped
 #define DCAA_WEIGHT_SHOWN 16u  // a merge weights the one behind by the samples that the one in front leaves it
 #define DCAA_DISTRIBUTION 32u  // shading normals keep the length of their mean
+#define DCAA_SECOND_MOMENTS 128u  // surfaces keep the second moments of their shading normals, too
 #define DCAA_NEAREST 64u  // the second merge is with the nearest surface by the distance of aggregates, whose plane stays
 
 // Specialization constant 13: how a facet normal is stored.

@@ -28,6 +28,7 @@ DcaaSurface dcaa_fragment(ivec2 pixel, DepthPlane plane, vec2 offset, vec3 ray, 
   fragment.normal = dcaa_option(DCAA_DISTRIBUTION) ? dcaa_pack_shading(unpack_normal(packed.y)) : packed.y;
   fragment.roughness = packed.z & 255u;
   fragment.emission = packed.w;
+  fragment.moments = dcaa_moments_of(fragment.normal);
   return fragment;
 }
 

@@ -17,6 +17,13 @@ uint dcaa_blend_byte(uint a, uint b, uint shift, float weight_a, float weight_b)
   return (dcaa_round(mean) & 255u) << shift;
 }
 
+// Both halves of a word.
+uint dcaa_blend_halves(uint a, uint b, float weight_a, float weight_b) {
+  precise float low = float(int(a & 0xffffu)) * weight_a + float(int(b & 0xffffu)) * weight_b;
+  precise float high = float(int(a >> 16)) * weight_a + float(int(b >> 16)) * weight_b;
+  return (dcaa_round(low) & 0xffffu) | (dcaa_round(high) & 0xffffu) << 16;
+}
+
 // Albedo is stored as square roots; its mean is one of linear values.
 uint dcaa_blend_albedo(uint a, uint b, float weight_a, float weight_b) {
   uint result = has_feature(FEATURE_METAL) ? dcaa_blend_byte(a, b, 24u, weight_a, weight_b) : 0u;
@@ -50,6 +57,9 @@ DcaaSurface dcaa_merged(DcaaSurface a, DcaaSurface b) {
   merged.albedo = dcaa_blend_albedo(a.albedo, b.albedo, weight_a, weight_b);
   merged.normal = dcaa_pack_shading(dcaa_blend(dcaa_shading(a.normal), dcaa_shading(b.normal), weight_a, weight_b));
   merged.roughness = has_feature(FEATURE_VARYING_ROUGHNESS) ? dcaa_blend_byte(a.roughness, b.roughness, 0u, weight_a, weight_b) : a.roughness;
+  merged.moments = uvec3(0u);
+  if (dcaa_option(DCAA_SECOND_MOMENTS))
+    for (uint c = 0u; c < 3u; ++c) merged.moments[c] = dcaa_blend_halves(a.moments[c], b.moments[c], weight_a, weight_b);
   merged.emission = 0u;
   if (has_feature(FEATURE_EMISSIVE))
     merged.emission = pack_shared_exponent(
@@ -66,6 +76,7 @@ DcaaSurface dcaa_select(bool condition, DcaaSurface yes, DcaaSurface no) {
   s.normal = condition ? yes.normal : no.normal;
   s.roughness = condition ? yes.roughness : no.roughness;
   s.emission = condition ? yes.emission : no.emission;
+  s.moments = condition ? yes.moments : no.moments;
   return s;
 }
 

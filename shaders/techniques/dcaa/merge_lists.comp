@@ -44,6 +44,7 @@ void main() {
     fragment.normal = words.w;
     fragment.roughness = more.x;
     fragment.emission = more.y;
+    fragment.moments = dcaa_moments_of(fragment.normal);
     dcaa_add(word, surface, fragment, ray, camera);
   }
   state.word[0] = word;

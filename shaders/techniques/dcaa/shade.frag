@@ -60,8 +60,7 @@ vec3 radiance_of(DcaaSurface s, vec2 slope, uvec2 samples) {
   a.reflectance = mix(vec3(kDielectricReflectance), lit.albedo, lit.metallic);
   a.roughness = lit.roughness;
   a.emissive = lit.emissive;
-  a.moments = vec3(1.0 / 3.0);
-  a.mixed_moments = vec3(0.0);
+  dcaa_moments(s.moments, a.moments, a.mixed_moments);
   a.mask = 0u;
   // A square on the surface's plane with as much area as the samples: a side has the variance of an even distribution, a twelfth
   // of its square.
@@ -139,6 +138,7 @@ void main() {
         s.normal = here ? surface[i].normal : s.normal;
         s.roughness = here ? surface[i].roughness : s.roughness;
         s.emission = here ? surface[i].emission : s.emission;
+        s.moments = here ? surface[i].moments : s.moments;
         s.depth = here ? surface[i].depth : s.depth;
         slope = here ? slopes[i] : slope;
         samples = here ? shown[i] : samples;

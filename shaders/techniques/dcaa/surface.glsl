@@ -40,6 +40,7 @@ struct DcaaSurface {
   uint normal;
   uint roughness;  // 8 bits
   uint emission;   // shared exponent
+  uvec3 moments;   // DCAA_SECOND_MOMENTS: of the shading normals, x y z: xx xy, yy xz, zz yz, 16 bits each
 };
 
 uint dcaa_count(uvec2 mask) { return bitCount(mask.x) + (SAMPLES > 32u ? bitCount(mask.y) : 0u); }
@@ -98,6 +99,21 @@ vec3 dcaa_shading(uint word) {
   precise float length_of_mean = 1.0 - root * root;
   precise vec3 mean = dcaa_unpack_octahedral(word, 2047.0, 12u) * length_of_mean;
   return mean;
+}
+
+// Of one normal: squares from 0 to 1 in the low halves of the words, products from -1 to 1 in the high ones.
+uvec3 dcaa_moments_of(uint normal) {
+  if (!dcaa_option(DCAA_SECOND_MOMENTS)) return uvec3(0u);
+  vec3 n = dcaa_unit(dcaa_shading(normal));
+  precise vec3 squares = n * n * 65535.0;
+  precise vec3 products = (n.xxy * n.yzz * 0.5 + 0.5) * 65535.0;
+  uvec3 words;
+  for (uint c = 0u; c < 3u; ++c) words[c] = (dcaa_round(squares[c]) & 0xffffu) | (dcaa_round(products[c]) & 0xffffu) << 16;
+  return words;
+}
+void dcaa_moments(uvec3 words, out vec3 squares, out vec3 products) {
+  squares = vec3(ivec3(words & 0xffffu)) * (1.0 / 65535.0);
+  products = vec3(ivec3(words >> 16)) * (2.0 / 65535.0) - 1.0;
 }
 
 uvec3 dcaa_pack_facet(vec3 n) {

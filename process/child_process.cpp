@@ -1,4 +1,4 @@
-#include "server/child_process.hpp"
+#include "process/child_process.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 #include <optional>
 #include <utility>
 
-namespace subpixel::server {
+namespace subpixel {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -276,4 +276,4 @@ ChildOutcome run_child(const std::vector<std::string>& arguments, const ChildLim
   return outcome;
 }
 
-}  // namespace subpixel::server
+}  // namespace subpixel

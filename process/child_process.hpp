@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace subpixel::server {
+namespace subpixel {
 
 struct ChildLimits {
   std::chrono::milliseconds silence{std::chrono::minutes(10)};  // longest wait for the next line of standard output
@@ -36,4 +36,4 @@ using LineHandler = std::function<bool(std::string_view line)>;
 ChildOutcome run_child(const std::vector<std::string>& arguments, const ChildLimits& limits, std::stop_token stop,
                        const LineHandler& on_line);
 
-}  // namespace subpixel::server
+}  // namespace subpixel

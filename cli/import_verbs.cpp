@@ -1,0 +1,90 @@
+#include "cli/import_verbs.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture_format/import/import.hpp"
+#include "cli/import_process.hpp"
+#include "cli/option_values.hpp"
+
+namespace subpixel::cli {
+namespace {
+
+constexpr std::uint64_t kMebibyte = 1u << 20;
+
+struct ImportArguments {
+  std::string in, out, camera, size;
+  std::vector<std::string> assets;
+  std::optional<std::uint32_t> frames;
+  std::optional<std::uint64_t> limit_memory;  // MiB
+  std::uint32_t limit_seconds = 300;
+};
+
+int import(const ImportArguments& arguments) {
+  if (!arguments.size.empty()) parse_size(arguments.size);
+  std::vector<std::string> options;
+  const auto add = [&](const char* name, const std::string& value) {
+    options.push_back(fmt::format("{}={}", name, value));
+  };
+  if (!arguments.camera.empty()) add("--camera", arguments.camera);
+  if (!arguments.size.empty()) add("--size", arguments.size);
+  if (arguments.frames) add("--frames", std::to_string(*arguments.frames));
+  for (const std::string& folder : arguments.assets) add("--assets", folder);
+  ImportLimits limits;
+  limits.duration = std::chrono::seconds(arguments.limit_seconds);
+  limits.address_space_bytes =
+      arguments.limit_memory ? *arguments.limit_memory * kMebibyte : default_import_address_space();
+  import_in_child(arguments.in, arguments.out, options, limits);
+  return 0;
+}
+
+int work(const ImportArguments& arguments) {
+  capture::ImportOptions options;
+  options.camera = arguments.camera;
+  options.frames = arguments.frames;
+  if (!arguments.size.empty()) {
+    const auto [width, height] = parse_size(arguments.size);
+    options.width = width;
+    options.height = height;
+  }
+  options.asset_folders.assign(arguments.assets.begin(), arguments.assets.end());
+  return import_worker(arguments.in, arguments.out, std::move(options));
+}
+
+void add_common(CLI::App& verb, ImportArguments& arguments) {
+  verb.add_option("in", arguments.in, "Model or scene description")->required();
+  verb.add_option("out", arguments.out, "Capture to write")->required();
+  verb.add_option("--camera", arguments.camera, "Camera file, or 'orbit'; default: the file's own camera");
+  verb.add_option("--frames", arguments.frames, "Frames; default: what the description says, else 10");
+  verb.add_option("--size", arguments.size, "WxH in pixels; default: what the description says, else 1280x720");
+  verb.add_option("--assets", arguments.assets, "Folder to look for archives and models in; may be repeated")
+      ->allow_extra_args(false);
+}
+
+}  // namespace
+
+void add_import_verbs(CLI::App& app, std::function<int()>& action) {
+  const auto arguments = std::make_shared<ImportArguments>();
+  CLI::App* const verb = app.add_subcommand(
+      "import", "Make a capture of a model file (glTF, GLB, OBJ, ...) or a scene description (.json)");
+  add_common(*verb, *arguments);
+  verb->add_option("--limit-memory", arguments->limit_memory,
+                   "MiB of address space for reading; 0: no limit; default: three quarters of the machine's memory")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 40));
+  verb->add_option("--limit-seconds", arguments->limit_seconds, "Longest time for reading; 0: no limit")
+      ->capture_default_str();
+  verb->callback([arguments, &action] { action = [arguments] { return import(*arguments); }; });
+
+  const auto worker_arguments = std::make_shared<ImportArguments>();
+  CLI::App* const worker = app.add_subcommand("import-worker", "What import runs; messages go to standard output");
+  worker->group("");  // not in the help
+  add_common(*worker, *worker_arguments);
+  worker->callback([worker_arguments, &action] { action = [worker_arguments] { return work(*worker_arguments); }; });
+}
+
+}  // namespace subpixel::cli
