@@ -1,6 +1,5 @@
 #include "capture_format/import/assimp_model.hpp"
 
-#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
@@ -20,6 +19,7 @@
 #include "capture_format/import/assimp_values.hpp"
 #include "capture_format/import/material_values.hpp"
 #include "capture_format/import/normals.hpp"
+#include "capture_format/import/statements.hpp"
 #include "capture_format/import/text.hpp"
 #include "capture_format/import/vertex_join.hpp"
 
@@ -142,13 +142,14 @@ Model load_with_assimp(const AssetSource& source, const std::string& name) {
   const std::string where = source.describe(name);
   Assimp::Importer importer;
   importer.SetIOHandler(std::make_unique<SourceFiles>(source).release());  // the importer owns it
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs |
-                                                     aiProcess_GenUVCoords | aiProcess_TransformUVCoords);
+  const aiScene* scene = importer.ReadFile(
+      name, aiProcess_Triangulate | aiProcess_FlipUVs | aiProcess_GenUVCoords | aiProcess_TransformUVCoords);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     throw InputError("can't import the model", to_utf8(importer.GetErrorString()), where);
   }
 
+  const std::string extension = lower_case(std::filesystem::path(name).extension().string());
+  const bool has_bare_meshes = extension == ".ply" || extension == ".off" || extension == ".stl";
   Model model;
   model.name = to_utf8(std::filesystem::path(name).stem().string());
   add_materials(*scene, source, name, model);
@@ -160,9 +161,12 @@ Model load_with_assimp(const AssetSource& source, const std::string& name) {
     ModelPart part{to_utf8(mesh.mName.C_Str()), to_mesh(mesh), mesh.mMaterialIndex, {}};
     if (part.name.empty()) part.name = model.name;
     Material& material = model.materials[part.material];
-    if (material.name == kDefaultMaterialName) {  // each reader of assimp's has another for meshes without one
+    // Each reader of assimp's has another look for meshes without a material, and not all name it.
+    const bool is_made_up =
+        material.name == kDefaultMaterialName || scene->mMaterials[mesh.mMaterialIndex]->GetName().length == 0;
+    if (has_bare_meshes && is_made_up && material.base_colour_texture == kNone) {
       const bool two_sided = material.two_sided;
-      material = default_material(material.name, mesh.HasVertexColors(0));
+      material = default_material(kDefaultMaterialName, mesh.HasVertexColors(0));
       material.two_sided = two_sided;
     }
     if (material.normal_texture != kNone && mesh.HasTextureCoords(0)) compute_tangents(part.mesh);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -90,6 +91,17 @@ FoundLibraries read_libraries(const ObjText& obj, const AssetSource& source, con
   return found;
 }
 
+// Whether nine texels of ten are directions of about length 1 that lean towards +z, as no picture of heights is.
+bool is_normal_map(const DecodedImage& image) {
+  const auto axis = [](std::uint8_t value) { return value / 127.5f - 1; };
+  std::size_t fitting = 0;
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    const float x = axis(image.rgba[i]), y = axis(image.rgba[i + 1]), z = axis(image.rgba[i + 2]);
+    if (std::abs(x * x + y * y + z * z - 1) < 0.3f && z > std::abs(x) && z > std::abs(y)) ++fitting;
+  }
+  return fitting * 40 > image.rgba.size() * 9;  // four bytes a texel
+}
+
 class MaterialMaker {
  public:
   MaterialMaker(const AssetSource& source, const std::string& model_name, Model& model)
@@ -149,9 +161,24 @@ class MaterialMaker {
       material.normal_uv = uv_of(*mtl.norm);
       material.normal_scale = static_cast<float>(mtl.norm->bump);
     } else if (mtl.bump) {
-      model_.notices.push_back(
-          fmt::format("ignored: the height map of material {}, {}", in_quotes(mtl.name), mtl.bump->place));
+      set_bump(from, material);
     }
+  }
+
+  // The format has heights here, but Blender and others write normal maps.
+  void set_bump(const FoundMaterial& from, Material& material) {
+    const MtlMap& map = *from.mtl.bump;
+    const std::optional<std::string> file = find_beside(source_, {from.folder, folder_}, map.file);
+    if (!file || !is_normal_map(textures_.open(*file).image)) {
+      model_.notices.push_back(
+          fmt::format("ignored: the height map of material {}, {}", in_quotes(from.mtl.name), map.place));
+      return;
+    }
+    model_.notices.push_back(fmt::format("read: map_Bump of material {} as the normal map that it is, {}",
+                                         in_quotes(from.mtl.name), map.place));
+    material.normal_texture = textures_.add(*file, false, sampler_of(map));
+    material.normal_uv = uv_of(map);
+    material.normal_scale = static_cast<float>(map.bump);
   }
 
   void set_base_texture(const FoundMaterial& from, Material& material) {

@@ -9,6 +9,7 @@
 
 #include "capture_format/error.hpp"
 #include "capture_format/import/text.hpp"
+#include "capture_format/printable.hpp"
 
 namespace subpixel::capture {
 namespace {
@@ -121,12 +122,8 @@ std::string lower_case(std::string_view text) {
 }
 
 std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kShown = 60;
-  std::string shown = to_utf8(text.substr(0, kShown));
-  for (char& c : shown) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return fmt::format("\"{}{}\"", shown, text.size() > kShown ? "..." : "");
+  constexpr std::size_t kShownBytes = 60;
+  return fmt::format("\"{}\"", printable(to_utf8(text), kShownBytes));
 }
 
 }  // namespace subpixel::capture

@@ -415,7 +415,21 @@ TEST_F(ImportObj, MetallicRoughnessStatements) {
   EXPECT_EQ(rough.materials.at(0).metallic, 0.0f);
   const Model packed = load_mtl("newmtl m\nmap_Pr packed.tga\nmap_Pm packed.tga\n");
   EXPECT_EQ(packed.textures.at(0).encoding, TextureEncoding::image_file);
-  EXPECT_TRUE(has_notice(load_mtl("newmtl m\nmap_Bump t.tga\n"), "height map of material \"m\""));
+}
+
+TEST_F(ImportObj, BumpMapsAreNormalMapsWhereTheirTexelsAre) {
+  write("blue.tga", tga(128, 120, 254));
+  const Model normals = load_mtl("newmtl m\nmap_Bump -bm 0.75 blue.tga\n");
+  ASSERT_NE(normals.materials.at(0).normal_texture, kNone);
+  EXPECT_EQ(normals.materials.at(0).normal_scale, 0.75f);
+  EXPECT_TRUE(has_notice(normals, "map_Bump of material \"m\" as the normal map"));
+  for (const int grey : {0, 128, 201, 255}) {
+    write("grey.tga", tga(grey, grey, grey));
+    const Model heights = load_mtl("newmtl m\nmap_Bump grey.tga\n");
+    EXPECT_EQ(heights.materials.at(0).normal_texture, kNone) << grey;
+    EXPECT_TRUE(has_notice(heights, "height map of material \"m\""));
+  }
+  EXPECT_EQ(load_mtl("newmtl m\nbump absent.tga\n").textures.size(), 0u) << "not needed";
 }
 
 TEST_F(ImportObj, LibrariesInEveryWriting) {
