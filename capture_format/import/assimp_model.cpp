@@ -76,7 +76,6 @@ glm::vec4 to_colour(const aiColor4D& c) {
   return {linear_of_srgb(c.r), linear_of_srgb(c.g), linear_of_srgb(c.b), unit(c.a)};
 }
 
-// What is used of a mesh must be there and finite: assimp hands on what it read.
 void require_sound(const aiScene& scene, const aiMesh& mesh, const std::string& where) {
   const auto fail = [&](const std::string& why) {
     throw InputError("can't import the model", why, fmt::format("{}, mesh \"{}\"", where, to_utf8(mesh.mName.C_Str())));
@@ -91,13 +90,31 @@ void require_sound(const aiScene& scene, const aiMesh& mesh, const std::string& 
   }
   for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
     const aiFace& face = mesh.mFaces[f];
-    if (face.mNumIndices > 0 && face.mIndices == nullptr) fail(fmt::format("face {} has no indices", f));
+    if (face.mIndices == nullptr) fail(fmt::format("face {} has no indices", f));
     for (unsigned i = 0; i < face.mNumIndices; ++i) {
       if (face.mIndices[i] < mesh.mNumVertices) continue;
       fail(fmt::format("index {} of face {} is out of range: there are {} vertices", face.mIndices[i], f,
                        mesh.mNumVertices));
     }
   }
+}
+
+// Recursion as deep as the file's tree, as assimp's own.
+void require_sound(const aiScene& scene, const aiNode* node, const std::string& where) {
+  if (node == nullptr) throw InputError("can't import the model", "the reader made a node of nothing", where);
+  for (unsigned i = 0; i < node->mNumMeshes; ++i) {
+    if (node->mMeshes[i] < scene.mNumMeshes) continue;
+    throw InputError("can't import the model",
+                     fmt::format("mesh {} of a node is out of range: there are {}", node->mMeshes[i], scene.mNumMeshes),
+                     fmt::format("{}, node \"{}\"", where, to_utf8(node->mName.C_Str())));
+  }
+  for (unsigned i = 0; i < node->mNumChildren; ++i) require_sound(scene, node->mChildren[i], where);
+}
+
+// What is used of a scene must be there, in range and finite: assimp hands on what it read.
+void require_sound(const aiScene& scene, const std::string& where) {
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) require_sound(scene, *scene.mMeshes[i], where);
+  require_sound(scene, scene.mRootNode, where);
 }
 
 Mesh to_mesh(const aiMesh& from) {
@@ -120,20 +137,14 @@ Mesh to_mesh(const aiMesh& from) {
 }
 
 // `part_of_mesh` has a number that no part has for meshes without triangles.
-void place_nodes(const aiNode* node, const glm::dmat4& parent, const std::vector<std::size_t>& part_of_mesh,
-                 const std::string& where, Model& model) {
-  if (node == nullptr) throw InputError("can't import the model", "the reader made a node of nothing", where);
-  const glm::dmat4 place = parent * to_matrix(node->mTransformation);
-  for (unsigned i = 0; i < node->mNumMeshes; ++i) {
-    if (node->mMeshes[i] >= part_of_mesh.size()) {
-      throw InputError(
-          "can't import the model",
-          fmt::format("mesh {} of node \"{}\" is out of range", node->mMeshes[i], to_utf8(node->mName.C_Str())), where);
-    }
-    const std::size_t part = part_of_mesh[node->mMeshes[i]];
+void place_nodes(const aiNode& node, const glm::dmat4& parent, const std::vector<std::size_t>& part_of_mesh,
+                 Model& model) {
+  const glm::dmat4 place = parent * to_matrix(node.mTransformation);
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+    const std::size_t part = part_of_mesh[node.mMeshes[i]];
     if (part < model.parts.size()) model.parts[part].placements.push_back(place);
   }
-  for (unsigned i = 0; i < node->mNumChildren; ++i) place_nodes(node->mChildren[i], place, part_of_mesh, where, model);
+  for (unsigned i = 0; i < node.mNumChildren; ++i) place_nodes(*node.mChildren[i], place, part_of_mesh, model);
 }
 
 }  // namespace
@@ -142,11 +153,17 @@ Model load_with_assimp(const AssetSource& source, const std::string& name) {
   const std::string where = source.describe(name);
   Assimp::Importer importer;
   importer.SetIOHandler(std::make_unique<SourceFiles>(source).release());  // the importer owns it
-  const aiScene* scene = importer.ReadFile(
-      name, aiProcess_Triangulate | aiProcess_FlipUVs | aiProcess_GenUVCoords | aiProcess_TransformUVCoords);
-  if (scene == nullptr || scene->mRootNode == nullptr) {
-    throw InputError("can't import the model", to_utf8(importer.GetErrorString()), where);
-  }
+  // Post-processing trusts what was read: that is checked before.
+  const aiScene* scene = importer.ReadFile(name, 0);
+  const auto fail = [&] {
+    const std::string reason = importer.GetErrorString();
+    throw InputError("can't import the model", reason.empty() ? "the reader gave no reason" : to_utf8(reason), where);
+  };
+  if (scene == nullptr || scene->mRootNode == nullptr) fail();
+  require_sound(*scene, where);
+  scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_FlipUVs | aiProcess_GenUVCoords |
+                                       aiProcess_TransformUVCoords);
+  if (scene == nullptr) fail();
 
   const std::string extension = lower_case(std::filesystem::path(name).extension().string());
   const bool has_bare_meshes = extension == ".ply" || extension == ".off" || extension == ".stl";
@@ -157,7 +174,6 @@ Model load_with_assimp(const AssetSource& source, const std::string& name) {
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
     const aiMesh& mesh = *scene->mMeshes[i];
     if ((mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0 || mesh.mNumVertices == 0) continue;
-    require_sound(*scene, mesh, where);
     ModelPart part{to_utf8(mesh.mName.C_Str()), to_mesh(mesh), mesh.mMaterialIndex, {}};
     if (part.name.empty()) part.name = model.name;
     Material& material = model.materials[part.material];
@@ -173,7 +189,7 @@ Model load_with_assimp(const AssetSource& source, const std::string& name) {
     part_of_mesh[i] = model.parts.size();
     model.parts.push_back(std::move(part));
   }
-  place_nodes(scene->mRootNode, glm::dmat4(1.0), part_of_mesh, where, model);
+  place_nodes(*scene->mRootNode, glm::dmat4(1.0), part_of_mesh, model);
   std::erase_if(model.parts, [](const ModelPart& part) { return part.placements.empty(); });
   if (model.parts.empty()) {
     throw InputError("can't import the model", "it has no triangles", where);

@@ -33,6 +33,7 @@ struct FoundMaterial {
 struct FoundLibraries {
   std::vector<FoundMaterial> materials;
   std::vector<std::pair<std::string, std::size_t>> missing;  // name, line of mtllib
+  bool has_namesake = false;                                 // of the model's own name, in place of the missing
 };
 
 // The files that one mtllib names: names may hold blanks, so the longest run of words that is a file is one.
@@ -74,6 +75,16 @@ FoundLibraries read_libraries(const ObjText& obj, const AssetSource& source, con
   FoundLibraries found;
   std::vector<std::string> files;
   for (const ObjLibraryUse& use : obj.libraries) find_libraries(use, source, folder_of(model_name), files, found);
+  if (!found.missing.empty()) {  // files that are renamed together keep the old name inside
+    const std::string namesake = std::filesystem::path(model_name).replace_extension(".mtl").generic_string();
+    if (const std::optional<std::string> file = source.find(namesake)) {
+      files.push_back(*file);
+      found.has_namesake = true;
+      model.notices.push_back(fmt::format("read: {} for the material file {} of line {}, which is missing",
+                                          in_quotes(short_file_name(*file)), in_quotes(found.missing.front().first),
+                                          found.missing.front().second));
+    }
+  }
   std::set<std::string> read, names;
   for (const std::string& file : files) {
     if (!read.insert(file).second) continue;
@@ -281,6 +292,7 @@ std::vector<std::uint32_t> add_obj_materials(const ObjText& obj, const AssetSour
     absent.push_back(use.name.empty() ? kDefaultMaterialName : to_utf8(use.name));
   }
   for (const auto& [file, line] : found.missing) {
+    if (found.has_namesake) break;
     model.notices.push_back(
         fmt::format("ignored: the material file {} of line {} is missing; no face needs it", in_quotes(file), line));
   }

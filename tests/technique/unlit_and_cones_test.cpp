@@ -63,6 +63,7 @@ TEST(SceneUnlit, ShowsItsBaseColourUnderEveryLight) {
                                                                      {{"ndf", "sggx"}, {"shading", "blinn_phong"}},
                                                                      {{"samples", 16}, {"roughness", "in_normal"}}})
       expect_image(technique_path(capture, "agaa", kSide, kSide, given), kSide, expected, 2e-3, 0);
+    expect_image(technique_path(capture, "hybrid", kSide, kSide, {{"normals", "sggx"}}), kSide, expected, 2e-3, 0);
     for (const char* technique : {"forward", "msaa"})
       expect_image(technique_path(capture, technique, kSide, kSide, {{"shading", "blinn_phong"}}), kSide, expected,
                    2e-3, 0);
