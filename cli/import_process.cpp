@@ -183,7 +183,8 @@ std::uint64_t default_import_address_space() {
 #else
   const long pages = ::sysconf(_SC_PHYS_PAGES), page_bytes = ::sysconf(_SC_PAGESIZE);
   if (pages <= 0 || page_bytes <= 0) return 0;
-  return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes) / 4 * 3;
+  constexpr std::uint64_t kMost = std::uint64_t{8} << 30;
+  return std::min(static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes) / 4 * 3, kMost);
 #endif
 }
 

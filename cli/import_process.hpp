@@ -17,7 +17,8 @@ struct ImportLimits {
   std::uint64_t address_space_bytes = 0;  // 0: none
 };
 
-// Three quarters of the machine's memory; none where a sanitizer needs more address space than there is memory.
+// Three quarters of the machine's memory, at most 8 GiB; none where a sanitizer needs more address space than there is
+// memory.
 std::uint64_t default_import_address_space();
 
 // Imports `in` by a child process that gets `options`, verbatim, and reports progress on standard error. `out` is there

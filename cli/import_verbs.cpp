@@ -74,7 +74,8 @@ void add_import_verbs(CLI::App& app, std::function<int()>& action) {
       "import", "Make a capture of a model file (glTF, GLB, OBJ, ...) or a scene description (.json)");
   add_common(*verb, *arguments);
   verb->add_option("--limit-memory", arguments->limit_memory,
-                   "MiB of address space for reading; 0: no limit; default: three quarters of the machine's memory")
+                   "MiB of address space for reading; 0: no limit; default: three quarters of the machine's memory, at "
+                   "most 8192")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 40));
   verb->add_option("--limit-seconds", arguments->limit_seconds, "Longest time for reading; 0: no limit")
       ->capture_default_str();
