@@ -97,6 +97,28 @@ void set_camera(Frame& frame, const ModelCamera& camera, const Model& model, std
   frame.view = to_matrix4(glm::inverse(world));
 }
 
+// Whether the model's bounds are not wholly on the outer side of one side of the camera's view, whatever its width.
+bool may_see(const ModelCamera& camera, const Model& model, double aspect) {
+  const glm::dmat4 view = glm::inverse(camera.world);
+  const double half = camera.vertical_fov_degrees * kPi / 360;
+  const double tangent = camera.orthographic ? 0 : sine(half) / cosine(half);
+  int outside[5] = {};
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 at((corner & 1) != 0 ? model.high.x : model.low.x, (corner & 2) != 0 ? model.high.y : model.low.y,
+                        (corner & 4) != 0 ? model.high.z : model.low.z);
+    const glm::dvec3 seen(view * glm::dvec4(at, 1));
+    const double ahead = -seen.z;
+    const double high = camera.orthographic ? camera.half_height : ahead * tangent;
+    const double wide = high * aspect;
+    outside[0] += ahead < 0 ? 1 : 0;
+    outside[1] += seen.y > high ? 1 : 0;
+    outside[2] += seen.y < -high ? 1 : 0;
+    outside[3] += seen.x > wide ? 1 : 0;
+    outside[4] += seen.x < -wide ? 1 : 0;
+  }
+  return std::none_of(std::begin(outside), std::end(outside), [](int corners) { return corners == 8; });
+}
+
 void draw_model(SceneBuilder& scene, const Model& model, const std::vector<std::uint32_t>& materials) {
   for (const ModelPart& part : model.parts) {
     const Draw mesh = scene.add_mesh(part.name, part.mesh);
@@ -119,6 +141,13 @@ void light_model(SceneBuilder& scene, const Model& model) {
 
 Capture import_model(const std::filesystem::path& path, const ImportOptions& options) {
   Model model = load_model(*open_folder(path.parent_path()), path.filename().string());
+  const std::uint32_t width = options.width.value_or(1280);
+  const std::uint32_t height = options.height.value_or(720);
+  if (model.camera && options.camera.empty() && !may_see(*model.camera, model, static_cast<double>(width) / height)) {
+    model.camera.reset();
+    model.notices.emplace_back("ignored: the file's camera, which sees nothing of the model");
+  }
+  const bool has_own_camera = model.camera.has_value();
   Metadata metadata;
   metadata.title = to_utf8(path.stem().string());
   metadata.application = to_utf8(path.filename().string());
@@ -130,14 +159,12 @@ Capture import_model(const std::filesystem::path& path, const ImportOptions& opt
   SceneBuilder scene(metadata);
   const std::vector<std::uint32_t> materials = add_materials(scene, model);
   const std::uint32_t frames = options.frames.value_or(10);
-  const std::uint32_t width = options.width.value_or(1280);
-  const std::uint32_t height = options.height.value_or(720);
   constexpr double kFramesPerSecond = 30;
   if (model.animation) model.animation->pose(0, model);
   std::optional<CameraPath> path_of_camera;
   if (!options.camera.empty() && options.camera != "orbit") {
     path_of_camera = read_camera_file(options.camera);
-  } else if (options.camera == "orbit" || !model.camera) {
+  } else if (options.camera == "orbit" || !has_own_camera) {
     path_of_camera = orbit(model, frames, kFramesPerSecond, static_cast<double>(width) / height);
   }
   for (std::uint32_t i = 0; i < frames; ++i) {

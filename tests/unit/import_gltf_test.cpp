@@ -275,6 +275,20 @@ TEST_F(ImportGltf, TheFirstPlacedCameraIsUsedAsItLies) {
   EXPECT_NEAR(frame.view[14], -5, 1e-6);
 }
 
+TEST_F(ImportGltf, ACameraThatSeesNothingIsLeftOutAloud) {
+  for (const double z : {-5.0, 5.0}) {  // it looks along -z: away from the triangle, and at it
+    GltfBuilder b = with([&](GltfBuilder& builder) {
+      builder.push("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}});
+      builder.push("nodes", {{"camera", 0}, {"translation", {0, 0, z}}});
+      builder.document["scenes"][0]["nodes"] = {0, 1};
+    });
+    load(b);
+    const Capture capture = import_file(folder_.path() / "model.gltf", {.frames = 1});
+    EXPECT_EQ(capture.metadata.notices.size(), z < 0 ? 1u : 0u);
+    EXPECT_EQ(capture.frames[0].view[14] == -5.0f, z > 0);
+  }
+}
+
 TEST_F(ImportGltf, ParallelCamerasShowHeightsOfTwiceYmag) {
   GltfBuilder b = with([](GltfBuilder& builder) {
     builder.push("cameras", {{"type", "orthographic"},
