@@ -181,6 +181,7 @@ void Replay::make_head() {
   head_.driver_version = info.driver_version;
   head_.cpu_model = info.cpu_model;
   head_.build = SUBPIXEL_VERSION;
+  if (!device_.shaders().embedded()) head_.build += " with shaders of a folder";
   head_.date_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   head_.width = width_;
   head_.height = height_;

@@ -161,7 +161,7 @@ void check(VkResult result, std::string_view call) {
                     std::string(call));
 }
 
-Device::Device(const DeviceOptions& options) {
+Device::Device(const DeviceOptions& options) : shaders_(options.shaders) {
   create_instance(options);
   choose_physical(options);
   create_device();

@@ -6,12 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "replay/gpu/shader_library.hpp"
 #include "replay/gpu/vulkan.hpp"
 
 namespace subpixel::gpu {
 
 struct DeviceOptions {
   bool any_device = false;  // false: lavapipe only, so that results are comparable from machine to machine
+  // The folder all shaders are read from instead of the embedded ones (ShaderLibrary); empty: those.
+  std::filesystem::path shaders = shader_folder_of_environment();
   // Turns the Khronos validation layer on, its checks of synchronization included, and takes what it says, "error: …"
   // or "warning: …", until the device has ended. Throws DeviceError where the layer is not installed.
   std::vector<std::string>* validation_messages = nullptr;
@@ -30,7 +33,8 @@ class PipelineCache;
 
 class Device {
  public:
-  // Throws DeviceError when there is no Vulkan, no suitable device, or a feature is missing (all missing are named).
+  // Throws DeviceError when there is no Vulkan, no suitable device, or a feature is missing (all missing are named);
+  // InputError when a shader of the folder is missing or broken.
   explicit Device(const DeviceOptions& options = {});
   ~Device();
   Device(const Device&) = delete;
@@ -39,6 +43,7 @@ class Device {
   const DeviceInfo& info() const { return info_; }
   VkDevice handle() const { return device_; }
   VkPhysicalDevice physical() const { return physical_; }
+  const ShaderLibrary& shaders() const { return shaders_; }
   PipelineCache& pipelines() { return *pipelines_; }
 
   // Records with `record`, submits and waits. Returns the milliseconds the device took: the wall clock on a CPU
@@ -58,6 +63,7 @@ class Device {
   void choose_physical(const DeviceOptions& options);
   void create_device();
 
+  ShaderLibrary shaders_;
   VkInstance instance_ = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;

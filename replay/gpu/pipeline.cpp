@@ -1,9 +1,5 @@
 #include "replay/gpu/pipeline.hpp"
 
-#include <stdexcept>
-
-#include "shaders/embedded.hpp"
-
 namespace subpixel::gpu {
 namespace {
 
@@ -80,15 +76,12 @@ PipelineCache::~PipelineCache() {
 VkShaderModule PipelineCache::module(const std::string& shader) {
   auto& found = modules_[shader];
   if (found) return found;
-  for (const auto& embedded : shaders::all()) {
-    if (embedded.name != shader) continue;
-    VkShaderModuleCreateInfo create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    create.codeSize = embedded.words.size_bytes();
-    create.pCode = embedded.words.data();
-    check(vkCreateShaderModule(device_.handle(), &create, nullptr, &found), "vkCreateShaderModule");
-    return found;
-  }
-  throw std::logic_error("no such shader: " + shader);
+  const auto words = device_.shaders().words(shader);
+  VkShaderModuleCreateInfo create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  create.codeSize = words.size_bytes();
+  create.pCode = words.data();
+  check(vkCreateShaderModule(device_.handle(), &create, nullptr, &found), "shader " + shader);
+  return found;
 }
 
 VkPipeline PipelineCache::compute(const std::string& shader, const Constants& constants) {
