@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <string_view>
 
@@ -10,12 +11,13 @@
 namespace subpixel::cli {
 namespace {
 
-std::uint32_t parse_frame(std::string_view digits, const std::string& text) {
+// `expected` is said of a `text` whose `digits` are none.
+std::uint32_t parse_frame(std::string_view digits, const std::string& text, std::string_view expected,
+                          const char* where) {
   std::uint32_t frame = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), frame);
-  if (error != std::errc{} || end != digits.data() + digits.size()) {
-    throw UsageError("frames", fmt::format("'{}' is neither FIRST-LAST nor one frame's number", text), "--frames");
-  }
+  if (error != std::errc{} || end != digits.data() + digits.size())
+    throw UsageError("frames", fmt::format("'{}' is {}", text, expected), where);
   return frame;
 }
 
@@ -42,10 +44,20 @@ std::pair<std::uint32_t, std::uint32_t> parse_size(const std::string& text) {
 }
 
 std::pair<std::uint32_t, std::uint32_t> parse_frames(const std::string& text) {
+  constexpr std::string_view kExpected = "neither FIRST-LAST nor one frame's number";
   const std::string_view view = text;
   const std::size_t dash = view.find('-');
-  const std::uint32_t first = parse_frame(view.substr(0, dash), text);
-  return {first, dash == std::string_view::npos ? first : parse_frame(view.substr(dash + 1), text)};
+  const std::uint32_t first = parse_frame(view.substr(0, dash), text, kExpected, "--frames");
+  if (dash == std::string_view::npos) return {first, first};
+  return {first, parse_frame(view.substr(dash + 1), text, kExpected, "--frames")};
+}
+
+std::pair<std::uint32_t, std::string> parse_frame_of_technique(const std::string& text) {
+  const std::string_view view = text;
+  const std::size_t colon = std::min(view.find(':'), view.size());
+  const std::string_view technique = view.substr(std::min(colon + 1, view.size()));
+  return {parse_frame(view.substr(0, technique.empty() ? 0 : colon), text, "not FRAME:TECHNIQUE", "--capture-frame"),
+          std::string(technique)};
 }
 
 }  // namespace subpixel::cli

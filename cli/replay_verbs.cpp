@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 
 #include "capture_format/atomic_file.hpp"
 #include "capture_format/error.hpp"
@@ -28,7 +29,8 @@ namespace {
 using namespace subpixel::replay;
 
 struct ReplayFlags {
-  std::string file, techniques, frames, size, json_file, out = "out", cache;
+  std::string file, techniques, frames, size, json_file, out = "out", cache, capture_frame;
+  bool validate = false;
   std::uint32_t samples = 8, repeat = 3, reference_samples = 512;
   std::optional<std::uint32_t> point_lights;
 };
@@ -50,7 +52,7 @@ void write_plots(const std::filesystem::path& folder, const Results& results) {
   write_file_atomically(folder / "points.md", std::string_view(points_markdown(summaries)));
 }
 
-int replay(const ReplayFlags& flags) {
+void replay_and_write(const ReplayFlags& flags, const ReplayInspection& inspection) {
   ReplayJob job;
   job.capture = flags.file;
   job.out_dir = flags.out;
@@ -69,18 +71,47 @@ int replay(const ReplayFlags& flags) {
     ReplayEvents events;
     events.progress = [&](const std::string& stage, std::uint32_t done, std::uint32_t total,
                           const std::string& detail) { line.update(stage, done, total, detail); };
-    results = run_replay(job, events);
+    results = run_replay(job, events, inspection);
   }
   const std::filesystem::path json =
       flags.json_file.empty() ? job.out_dir / "results.json" : std::filesystem::path(flags.json_file);
   if (json == "-") {
     std::cout << json_text(to_json(results), 2) << "\n";
-    return 0;
+    return;
   }
   write_results(json, results);
   write_plots(job.out_dir, results);
   std::cout << to_table(results);
   fmt::print("images, maps, plots: {}   results: {}\n", printable(job.out_dir.string()), printable(json.string()));
+}
+
+// Prints what the validation layer said; returns how many errors are among it.
+std::size_t print_validation(const std::vector<std::string>& messages) {
+  std::size_t errors = 0;
+  for (const std::string& message : messages) {
+    fmt::print(stderr, "validation: {}\n", printable(message));
+    errors += message.starts_with("error: ") ? 1 : 0;
+  }
+  return errors;
+}
+
+int replay(const ReplayFlags& flags) {
+  ReplayInspection inspection;
+  std::vector<std::string> messages;
+  if (flags.validate) inspection.validation_messages = &messages;
+  if (!flags.capture_frame.empty()) {
+    const auto [frame, technique] = parse_frame_of_technique(flags.capture_frame);
+    inspection.capture = {frame, technique};
+  }
+  try {
+    replay_and_write(flags, inspection);
+  } catch (...) {
+    print_validation(messages);  // the likely reason first
+    throw;
+  }
+  const std::size_t errors = print_validation(messages);
+  // Our calls, so our mistakes.
+  if (errors > 0) throw std::logic_error(fmt::format("the Vulkan validation layer found {} errors", errors));
   return 0;
 }
 
@@ -172,6 +203,11 @@ void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
   run->add_option("--json", flags->json_file,
                   "Results file (default OUT/results.json); - prints it instead of the table");
   run->add_option("--cache", flags->cache, "Folder of cached references (default OUT/cache)");
+  run->add_flag(
+      "--validate", flags->validate,
+      "Run under the Vulkan validation layer (Debian: vulkan-validationlayers), slowly; its errors end with 70");
+  run->add_option("--capture-frame", flags->capture_frame,
+                  "FRAME:TECHNIQUE that RenderDoc, under which this has to run, captures into OUT");
   run->callback([&action, flags] { action = [flags] { return replay(*flags); }; });
 
   CLI::App* work = app.add_subcommand("worker", "Run one job of the service; its messages go to standard output");

@@ -14,6 +14,7 @@
 #include "capture_format/hash.hpp"
 #include "capture_format/reader.hpp"
 #include "replay/gpu/litmus.hpp"
+#include "replay/inspection.hpp"
 #include "replay/limits.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/host_clock.hpp"
@@ -115,12 +116,14 @@ ReferenceKind reference_kind(const PlannedTechnique& planned) {
 
 class Replay {
  public:
-  Replay(const ReplayJob& job, const ReplayEvents& events)
+  Replay(const ReplayJob& job, const ReplayEvents& events, const ReplayInspection& inspection)
       : job_(job),
         options_(job.options),
         events_(events),
+        inspection_(inspection),
         planned_(plan(job.options)),
-        capture_(capture::read_capture(job.capture)) {}
+        capture_(capture::read_capture(job.capture)),
+        device_(device_options(inspection)) {}
 
   Results run();
 
@@ -130,8 +133,10 @@ class Replay {
   // The current frame's reference for a technique's shading model and resolve; null without references.
   const Reference* reference_for(std::uint32_t frame, const PlannedTechnique& planned);
   FrameResult run_technique(std::uint32_t frame, std::size_t which);
+  void inspect(gpu::PassRecorder& recorder, const FrameResult& result, const std::string& stem);
   void count_fragments(FrameResult& result, const gpu::PassRecorder& recorder);
-  void measure(FrameResult& result, FrameSetup& setup, std::size_t which);
+  // `stem` is what the names of the result's files begin with.
+  void measure(FrameResult& result, FrameSetup& setup, std::size_t which, const std::string& stem);
   bool skipped(std::uint32_t frame, std::size_t which) const;
   void progress(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) const {
     if (events_.progress) events_.progress(stage, done, total, detail);
@@ -149,9 +154,11 @@ class Replay {
   const ReplayJob& job_;
   const ReplayOptions& options_;
   const ReplayEvents& events_;
+  const ReplayInspection& inspection_;
   std::vector<PlannedTechnique> planned_;
   capture::Capture capture_;
   gpu::Device device_;
+  std::optional<gpu::RenderDoc> render_doc_;
   std::unique_ptr<GpuScene> scene_;
   std::unique_ptr<Frontend> frontend_;
   std::uint32_t width_ = 0, height_ = 0;
@@ -181,6 +188,7 @@ void Replay::make_head() {
   head_.driver_version = info.driver_version;
   head_.cpu_model = info.cpu_model;
   head_.build = SUBPIXEL_VERSION;
+  if (!device_.shaders().embedded()) head_.build += " with shaders of a folder";
   head_.date_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   head_.width = width_;
   head_.height = height_;
@@ -196,6 +204,9 @@ bool Replay::skipped(std::uint32_t frame, std::size_t which) const {
 Results Replay::run() {
   const auto [first, last] = frame_range(options_, capture_.frames.size());
   kResultsLimit.require((std::uint64_t{last} - first + 1) * planned_.size());
+  std::vector<std::string_view> names;
+  for (const PlannedTechnique& planned : planned_) names.push_back(planned.technique->name);
+  render_doc_ = require_render_doc(inspection_, first, last, names);
   make_head();
   // Before the work that would be lost.
   if (!options_.point_lights)
@@ -316,8 +327,18 @@ FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   result.counters["screen_triangles"] = frontend_->hull_count();
   result.counters["clipped_triangles"] = frontend_->clipped_count();
   result.counters["frontend_bytes"] = frontend_->allocated_bytes();
-  measure(result, setup, which);
+  const std::string stem = fmt::format("frame{:04}_{:02}_{}", frame, which, result.technique);
+  measure(result, setup, which, stem);
+  inspect(recorder, result, stem);
   return result;
+}
+
+void Replay::inspect(gpu::PassRecorder& recorder, const FrameResult& result, const std::string& stem) {
+  if (!inspection_.capture || inspection_.capture->frame != result.frame ||
+      inspection_.capture->technique != result.technique)
+    return;
+  const auto file = render_doc_->capture(job_.out_dir / stem, [&] { recorder.run(); });
+  progress("capture", 1, 1, file.string());
 }
 
 void Replay::count_fragments(FrameResult& result, const gpu::PassRecorder& recorder) {
@@ -336,9 +357,8 @@ void Replay::count_fragments(FrameResult& result, const gpu::PassRecorder& recor
   }
 }
 
-void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which) {
+void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which, const std::string& stem) {
   now("measure");
-  const std::string stem = fmt::format("frame{:04}_{:02}_{}", result.frame, which, result.technique);
   const Downloaded radiance = download_colour(device_, *setup.outputs.radiance, Encoding::linear);
   Image display = download_colour(device_, *setup.outputs.display, Encoding::display).colour;
 
@@ -400,8 +420,8 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which) 
 
 }  // namespace
 
-Results run_replay(const ReplayJob& job, const ReplayEvents& events) {
-  return Replay(job, events).run();
+Results run_replay(const ReplayJob& job, const ReplayEvents& events, const ReplayInspection& inspection) {
+  return Replay(job, events, inspection).run();
 }
 
 }  // namespace subpixel::replay

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "replay/results.hpp"
 #include "replay/worker_protocol.hpp"
@@ -16,9 +18,22 @@ struct ReplayEvents {
   std::function<void(const FrameResult&)> result;  // its images are files in the job's out_dir, complete
 };
 
+// What lets one see inside a replay. None of it changes a result.
+struct ReplayInspection {
+  // Takes what the Vulkan validation layer says, as gpu::Instance puts it, until the replay has ended.
+  std::vector<std::string>* validation_messages = nullptr;
+  // RenderDoc captures one more run of this technique's passes on this frame, after the timed ones, into out_dir.
+  struct Captured {
+    std::uint32_t frame = 0;
+    std::string technique;
+  };
+  std::optional<Captured> capture;
+};
+
 // Replays every frame asked for through every technique. Each result's images: "image" and "reference" (PNG), "hdr"
 // (EXR), "error" and "shading" (PNG maps) and the technique's own maps by name. Throws UsageError (technique,
-// parameter, frame, size), InputError (capture, full disk) and DeviceError.
-Results run_replay(const ReplayJob& job, const ReplayEvents& events);
+// parameter, frame, size; an inspection of what is not replayed or without RenderDoc), InputError (capture, full disk)
+// and DeviceError.
+Results run_replay(const ReplayJob& job, const ReplayEvents& events, const ReplayInspection& inspection = {});
 
 }  // namespace subpixel::replay

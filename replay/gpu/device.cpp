@@ -10,6 +10,7 @@
 
 #include "capture_format/error.hpp"
 #include "replay/gpu/pipeline.hpp"
+#include "replay/gpu/renderdoc.hpp"
 
 namespace subpixel::gpu {
 namespace {
@@ -46,15 +47,6 @@ const char* result_name(VkResult result) {
     default:
       return nullptr;
   }
-}
-
-VKAPI_ATTR VkBool32 VKAPI_CALL collect_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
-                                               VkDebugUtilsMessageTypeFlagsEXT,
-                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
-  auto& messages = *static_cast<std::vector<std::string>*>(user);
-  const bool error = severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
-  messages.push_back(fmt::format("{}: {}", error ? "error" : "warning", data->pMessage));
-  return VK_FALSE;
 }
 
 constexpr const char* kRequiredExtensions[] = {
@@ -161,60 +153,22 @@ void check(VkResult result, std::string_view call) {
                     std::string(call));
 }
 
-Device::Device(const DeviceOptions& options) {
-  create_instance(options);
+Device::Device(const DeviceOptions& options)
+    : shaders_(options.shaders), instance_(options.names, options.validation_messages) {
   choose_physical(options);
   create_device();
   pipelines_ = std::make_unique<PipelineCache>(*this);
 }
 
-void Device::create_instance(const DeviceOptions& options) {
-  VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
-  application.pApplicationName = "subpixel";
-  application.apiVersion = VK_API_VERSION_1_3;
-  VkInstanceCreateInfo create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
-  create.pApplicationInfo = &application;
-  constexpr const char* kLayer = "VK_LAYER_KHRONOS_validation";
-  constexpr const char* kLayerExtensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
-                                              VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
-  constexpr VkValidationFeatureEnableEXT kSynchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
-  // Given to the instance as well as a messenger of its own: that one speaks before and after the other lives.
-  VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
-  messenger.messageSeverity =
-      VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT;
-  messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
-  messenger.pfnUserCallback = collect_message;
-  messenger.pUserData = options.validation_messages;
-  VkValidationFeaturesEXT checks{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
-  checks.enabledValidationFeatureCount = 1;
-  checks.pEnabledValidationFeatures = &kSynchronization;
-  if (options.validation_messages) {
-    create.pNext = &checks;
-    create.enabledLayerCount = 1;
-    create.ppEnabledLayerNames = &kLayer;
-    create.enabledExtensionCount = static_cast<std::uint32_t>(std::size(kLayerExtensions));
-    create.ppEnabledExtensionNames = kLayerExtensions;
-  }
-  const VkResult result = vkCreateInstance(&create, nullptr, &instance_);
-  if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-    throw DeviceError("device", "no Vulkan driver is installed (Debian: mesa-vulkan-drivers)", "vkCreateInstance");
-  check(result, "vkCreateInstance");
-  if (!options.validation_messages) return;
-  messenger.pNext = nullptr;
-  const auto make = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
-      vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
-  check(make(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT");
-}
-
 void Device::choose_physical(const DeviceOptions& options) {
   std::uint32_t count = 0;
-  const VkResult found = vkEnumeratePhysicalDevices(instance_, &count, nullptr);
+  const VkResult found = vkEnumeratePhysicalDevices(instance_.get(), &count, nullptr);
   if (found == VK_ERROR_INITIALIZATION_FAILED || (found == VK_SUCCESS && count == 0))
     throw DeviceError("device", "none of the installed Vulkan drivers has a device (lavapipe: mesa-vulkan-drivers)",
                       "vkEnumeratePhysicalDevices");
   check(found, "vkEnumeratePhysicalDevices");
   std::vector<VkPhysicalDevice> devices(count);
-  check(vkEnumeratePhysicalDevices(instance_, &count, devices.data()), "vkEnumeratePhysicalDevices");
+  check(vkEnumeratePhysicalDevices(instance_.get(), &count, devices.data()), "vkEnumeratePhysicalDevices");
   std::string refused;
   for (VkPhysicalDevice device : devices) {
     if (!options.any_device && !is_lavapipe(device)) {
@@ -228,6 +182,8 @@ void Device::choose_physical(const DeviceOptions& options) {
     }
     refused += fmt::format("{}{} lacks {}", refused.empty() ? "" : "; ", device_name(device), fmt::join(missing, ", "));
   }
+  // RenderDoc hides buffer addresses, and with them Vulkan 1.3, where it can't capture them: on lavapipe, so far.
+  if (RenderDoc::of_process()) refused += ", as RenderDoc shows it";
   if (!physical_) throw DeviceError("device", "no usable Vulkan device: " + refused, "feature probe");
 
   VkPhysicalDeviceVulkan12Properties v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
@@ -277,69 +233,60 @@ void Device::create_device() {
   }
   create.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   create.ppEnabledExtensionNames = extensions.data();
-  check(vkCreateDevice(physical_, &create, nullptr, &device_), "vkCreateDevice");
-  vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+  check(vkCreateDevice(physical_, &create, nullptr, device_.made_by({})), "vkCreateDevice");
+  vkGetDeviceQueue(handle(), queue_family_, 0, &queue_);
   push_descriptor_set =
-      reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(device_, "vkCmdPushDescriptorSetKHR"));
+      reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(handle(), "vkCmdPushDescriptorSetKHR"));
 
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = queue_family_;
-  check(vkCreateCommandPool(device_, &pool, nullptr, &command_pool_), "vkCreateCommandPool");
+  check(vkCreateCommandPool(handle(), &pool, nullptr, command_pool_.made_by(handle())), "vkCreateCommandPool");
   VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-  allocate.commandPool = command_pool_;
+  allocate.commandPool = command_pool_.get();
   allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   allocate.commandBufferCount = 1;
-  check(vkAllocateCommandBuffers(device_, &allocate, &command_buffer_), "vkAllocateCommandBuffers");
+  check(vkAllocateCommandBuffers(handle(), &allocate, &command_buffer_), "vkAllocateCommandBuffers");
   VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  check(vkCreateFence(device_, &fence, nullptr, &fence_), "vkCreateFence");
+  check(vkCreateFence(handle(), &fence, nullptr, fence_.made_by(handle())), "vkCreateFence");
   VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
   queries.queryCount = 2;
-  check(vkCreateQueryPool(device_, &queries, nullptr, &timestamps_), "vkCreateQueryPool");
+  check(vkCreateQueryPool(handle(), &queries, nullptr, timestamps_.made_by(handle())), "vkCreateQueryPool");
 }
 
 Device::~Device() {
-  pipelines_.reset();
-  if (device_) {
-    vkDeviceWaitIdle(device_);
-    vkDestroyQueryPool(device_, timestamps_, nullptr);
-    vkDestroyFence(device_, fence_, nullptr);
-    vkDestroyCommandPool(device_, command_pool_, nullptr);
-    vkDestroyDevice(device_, nullptr);
-  }
-  if (messenger_) {
-    const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
-        vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
-    destroy(instance_, messenger_, nullptr);
-  }
-  if (instance_) vkDestroyInstance(instance_, nullptr);
+  vkDeviceWaitIdle(device_.get());
 }
 
-double Device::run(const std::function<void(VkCommandBuffer)>& record) {
+double Device::run(const std::string& name, const std::function<void(VkCommandBuffer)>& record) {
+  const Instance::Work work(instance_, "pass", name);
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(command_buffer_, &begin), "vkBeginCommandBuffer");
   if (!info_.is_cpu) {
-    vkCmdResetQueryPool(command_buffer_, timestamps_, 0, 2);
-    vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, timestamps_, 0);
+    vkCmdResetQueryPool(command_buffer_, timestamps_.get(), 0, 2);
+    vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, timestamps_.get(), 0);
   }
+  instance_.begin_label(command_buffer_, name);
   record(command_buffer_);
-  if (!info_.is_cpu) vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, 1);
+  instance_.end_label(command_buffer_);
+  if (!info_.is_cpu) vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_.get(), 1);
   check(vkEndCommandBuffer(command_buffer_), "vkEndCommandBuffer");
 
   const auto start = std::chrono::steady_clock::now();
   VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &command_buffer_;
-  check(vkQueueSubmit(queue_, 1, &submit, fence_), "vkQueueSubmit");
-  check(vkWaitForFences(device_, 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+  const VkFence fence = fence_.get();
+  check(vkQueueSubmit(queue_, 1, &submit, fence), "vkQueueSubmit");
+  check(vkWaitForFences(handle(), 1, &fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
   const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  check(vkResetFences(device_, 1, &fence_), "vkResetFences");
+  check(vkResetFences(handle(), 1, &fence), "vkResetFences");
   total_ms_ += wall_ms;
   if (info_.is_cpu) return wall_ms;
   std::uint64_t ticks[2] = {};
-  check(vkGetQueryPoolResults(device_, timestamps_, 0, 2, sizeof ticks, ticks, sizeof ticks[0],
+  check(vkGetQueryPoolResults(handle(), timestamps_.get(), 0, 2, sizeof ticks, ticks, sizeof ticks[0],
                               VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "vkGetQueryPoolResults");
   return static_cast<double>(ticks[1] - ticks[0]) * static_cast<double>(timestamp_period_ns_) * 1e-6;

@@ -6,14 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "replay/gpu/vulkan.hpp"
+#include "replay/gpu/handle.hpp"
+#include "replay/gpu/instance.hpp"
+#include "replay/gpu/shader_library.hpp"
 
 namespace subpixel::gpu {
 
 struct DeviceOptions {
   bool any_device = false;  // false: lavapipe only, so that results are comparable from machine to machine
-  // Turns the Khronos validation layer on, its checks of synchronization included, and takes what it says, "error: …"
-  // or "warning: …", until the device has ended. Throws DeviceError where the layer is not installed.
+  // The folder all shaders are read from instead of the embedded ones (ShaderLibrary); empty: those.
+  std::filesystem::path shaders = shader_folder_of_environment();
+  bool names = false;  // of buffers, images, pipelines and passes reach Vulkan, for RenderDoc and layers
+  // Turns the Khronos validation layer on, and names, and takes what it says until the device has ended (Instance).
   std::vector<std::string>* validation_messages = nullptr;
 };
 
@@ -30,20 +34,29 @@ class PipelineCache;
 
 class Device {
  public:
-  // Throws DeviceError when there is no Vulkan, no suitable device, or a feature is missing (all missing are named).
+  // Throws DeviceError when there is no Vulkan, no suitable device, or a feature is missing (all missing are named)
+  // or the validation layer is wanted and not installed; InputError when a shader of the folder is missing or broken.
   explicit Device(const DeviceOptions& options = {});
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
   const DeviceInfo& info() const { return info_; }
-  VkDevice handle() const { return device_; }
+  VkDevice handle() const { return device_.get(); }
+  Instance& instance() { return instance_; }
   VkPhysicalDevice physical() const { return physical_; }
+  const ShaderLibrary& shaders() const { return shaders_; }
   PipelineCache& pipelines() { return *pipelines_; }
 
-  // Records with `record`, submits and waits. Returns the milliseconds the device took: the wall clock on a CPU
-  // device, where the queue's work runs on this machine's cores; timestamps elsewhere. Throws DeviceError.
-  double run(const std::function<void(VkCommandBuffer)>& record);
+  template <typename Handle>
+  void name(VkObjectType type, Handle object, const std::string& name) const {
+    instance_.name(device_.get(), type, object, name);
+  }
+
+  // Records with `record`, submits and waits; `name` is the pass's, for messages and tools. Returns the milliseconds
+  // the device took: the wall clock on a CPU device, where the queue's work runs on this machine's cores; timestamps
+  // elsewhere. Throws DeviceError.
+  double run(const std::string& name, const std::function<void(VkCommandBuffer)>& record);
   // Milliseconds of all runs so far.
   double total_ms() const { return total_ms_; }
 
@@ -54,20 +67,19 @@ class Device {
   PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
 
  private:
-  void create_instance(const DeviceOptions& options);
   void choose_physical(const DeviceOptions& options);
   void create_device();
 
-  VkInstance instance_ = VK_NULL_HANDLE;
-  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  ShaderLibrary shaders_;
+  Instance instance_;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
-  VkDevice device_ = VK_NULL_HANDLE;
+  UniqueDevice device_;
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queue_family_ = 0;
-  VkCommandPool command_pool_ = VK_NULL_HANDLE;
+  UniqueCommandPool command_pool_;
   VkCommandBuffer command_buffer_ = VK_NULL_HANDLE;
-  VkFence fence_ = VK_NULL_HANDLE;
-  VkQueryPool timestamps_ = VK_NULL_HANDLE;
+  UniqueFence fence_;
+  UniqueQueryPool timestamps_;
   float timestamp_period_ns_ = 1;
   VkPhysicalDeviceMemoryProperties memory_{};
   double total_ms_ = 0;

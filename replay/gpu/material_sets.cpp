@@ -9,7 +9,7 @@ void make_sampled(Device& device, Image& image) {
   const AccessState sampled{VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                             VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
   if (image.state.layout == sampled.layout) return;
-  device.run([&](VkCommandBuffer commands) {
+  device.run(image.description().name + " for sampling", [&](VkCommandBuffer commands) {
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     barrier.srcStageMask = image.state.stages;
     barrier.srcAccessMask = image.state.access;
@@ -36,11 +36,8 @@ MaterialSets::MaterialSets(Device& device, std::uint32_t capacity) : device_(dev
   create.maxSets = capacity;
   create.poolSizeCount = 1;
   create.pPoolSizes = &size;
-  check(vkCreateDescriptorPool(device.handle(), &create, nullptr, &pool_), "vkCreateDescriptorPool");
-}
-
-MaterialSets::~MaterialSets() {
-  vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
+  check(vkCreateDescriptorPool(device.handle(), &create, nullptr, pool_.made_by(device.handle())),
+        "vkCreateDescriptorPool");
 }
 
 VkDescriptorSet MaterialSets::set_of(const std::array<MaterialTexture, kMaterialTextures>& textures) {
@@ -48,7 +45,7 @@ VkDescriptorSet MaterialSets::set_of(const std::array<MaterialTexture, kMaterial
   if (set) return set;
   const VkDescriptorSetLayout layout = device_.pipelines().material_set_layout();
   VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-  allocate.descriptorPool = pool_;
+  allocate.descriptorPool = pool_.get();
   allocate.descriptorSetCount = 1;
   allocate.pSetLayouts = &layout;
   check(vkAllocateDescriptorSets(device_.handle(), &allocate, &set), "vkAllocateDescriptorSets");

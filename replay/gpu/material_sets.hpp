@@ -23,9 +23,6 @@ class MaterialSets {
  public:
   // Room for `capacity` different sets.
   MaterialSets(Device& device, std::uint32_t capacity);
-  ~MaterialSets();
-  MaterialSets(const MaterialSets&) = delete;
-  MaterialSets& operator=(const MaterialSets&) = delete;
 
   // The set with these textures, in the order of the bindings; equal ones share one set. The images are only sampled
   // from here on: the first use moves them to that layout.
@@ -33,7 +30,7 @@ class MaterialSets {
 
  private:
   Device& device_;
-  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  UniqueDescriptorPool pool_;
   std::map<std::array<MaterialTexture, kMaterialTextures>, VkDescriptorSet> sets_;
 };
 

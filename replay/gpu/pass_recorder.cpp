@@ -50,12 +50,7 @@ void DrawEncoder::viewport(float x, float y, float width, float height) {
   vkCmdSetViewport(commands_, 0, 1, &viewport);
 }
 
-PassRecorder::Framebuffers::~Framebuffers() {
-  for (const VkFramebuffer handle : handles) vkDestroyFramebuffer(device.handle(), handle, nullptr);
-}
-
-PassRecorder::PassRecorder(Device& device)
-    : device_(device), nearest_(device, kNearestClamped), framebuffers_{device, {}} {}
+PassRecorder::PassRecorder(Device& device) : device_(device), nearest_(device, kNearestClamped) {}
 
 Buffer& PassRecorder::buffer(std::string name, VkDeviceSize bytes) {
   return buffers_.emplace_back(device_, std::move(name), bytes);
@@ -247,10 +242,10 @@ VkFramebuffer PassRecorder::framebuffer(const RasterPass& pass, VkRenderPass ren
   create.width = size.width;
   create.height = size.height;
   create.layers = 1;
-  VkFramebuffer handle = VK_NULL_HANDLE;
-  check(vkCreateFramebuffer(device_.handle(), &create, nullptr, &handle), "vkCreateFramebuffer");
-  framebuffers_.handles.push_back(handle);
-  return handle;
+  UniqueFramebuffer& made = framebuffers_.emplace_back();
+  check(vkCreateFramebuffer(device_.handle(), &create, nullptr, made.made_by(device_.handle())), "vkCreateFramebuffer");
+  device_.name(VK_OBJECT_TYPE_FRAMEBUFFER, made.get(), pass.name);
+  return made.get();
 }
 
 void PassRecorder::raster(RasterPass pass) {
@@ -358,7 +353,7 @@ void PassRecorder::run() {
       step.host();
       continue;
     }
-    totals[step.timing] += device_.run([&](VkCommandBuffer commands) {
+    totals[step.timing] += device_.run(timings_[step.timing].name, [&](VkCommandBuffer commands) {
       barrier(commands, step.uses);
       step.record(commands);
     });

@@ -154,11 +154,7 @@ class PassRecorder {
   std::vector<Step> steps_;
   std::vector<PassTiming> timings_;
   Sampler nearest_;
-  struct Framebuffers {
-    Device& device;
-    std::vector<VkFramebuffer> handles;
-    ~Framebuffers();
-  } framebuffers_;
+  std::vector<UniqueFramebuffer> framebuffers_;
 };
 
 }  // namespace subpixel::gpu

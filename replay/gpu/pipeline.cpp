@@ -1,9 +1,5 @@
 #include "replay/gpu/pipeline.hpp"
 
-#include <stdexcept>
-
-#include "shaders/embedded.hpp"
-
 namespace subpixel::gpu {
 namespace {
 
@@ -45,7 +41,8 @@ PipelineCache::PipelineCache(Device& device) : device_(device) {
   layout.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
   layout.bindingCount = kBindings;
   layout.pBindings = bindings.data();
-  check(vkCreateDescriptorSetLayout(device.handle(), &layout, nullptr, &push_layout_), "vkCreateDescriptorSetLayout");
+  check(vkCreateDescriptorSetLayout(device.handle(), &layout, nullptr, push_layout_.made_by(device.handle())),
+        "vkCreateDescriptorSetLayout");
 
   std::vector<VkDescriptorSetLayoutBinding> textures(kMaterialTextures);
   for (std::uint32_t i = 0; i < kMaterialTextures; ++i)
@@ -53,47 +50,37 @@ PipelineCache::PipelineCache(Device& device) : device_(device) {
   layout.flags = 0;
   layout.bindingCount = kMaterialTextures;
   layout.pBindings = textures.data();
-  check(vkCreateDescriptorSetLayout(device.handle(), &layout, nullptr, &material_layout_),
+  check(vkCreateDescriptorSetLayout(device.handle(), &layout, nullptr, material_layout_.made_by(device.handle())),
         "vkCreateDescriptorSetLayout");
 
-  const VkDescriptorSetLayout sets[] = {push_layout_, material_layout_};
+  const VkDescriptorSetLayout sets[] = {push_layout_.get(), material_layout_.get()};
   const VkPushConstantRange range{VK_SHADER_STAGE_ALL, 0, kPushConstantBytes};
   VkPipelineLayoutCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   create.setLayoutCount = 2;
   create.pSetLayouts = sets;
   create.pushConstantRangeCount = 1;
   create.pPushConstantRanges = &range;
-  check(vkCreatePipelineLayout(device.handle(), &create, nullptr, &layout_), "vkCreatePipelineLayout");
-}
-
-PipelineCache::~PipelineCache() {
-  const VkDevice device = device_.handle();
-  for (const auto& [key, pipeline] : compute_) vkDestroyPipeline(device, pipeline, nullptr);
-  for (const auto& [key, pipeline] : raster_) vkDestroyPipeline(device, pipeline, nullptr);
-  for (const auto& [key, render_pass] : render_passes_) vkDestroyRenderPass(device, render_pass, nullptr);
-  for (const auto& [key, module] : modules_) vkDestroyShaderModule(device, module, nullptr);
-  vkDestroyPipelineLayout(device, layout_, nullptr);
-  vkDestroyDescriptorSetLayout(device, push_layout_, nullptr);
-  vkDestroyDescriptorSetLayout(device, material_layout_, nullptr);
+  check(vkCreatePipelineLayout(device.handle(), &create, nullptr, layout_.made_by(device.handle())),
+        "vkCreatePipelineLayout");
 }
 
 VkShaderModule PipelineCache::module(const std::string& shader) {
   auto& found = modules_[shader];
-  if (found) return found;
-  for (const auto& embedded : shaders::all()) {
-    if (embedded.name != shader) continue;
-    VkShaderModuleCreateInfo create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    create.codeSize = embedded.words.size_bytes();
-    create.pCode = embedded.words.data();
-    check(vkCreateShaderModule(device_.handle(), &create, nullptr, &found), "vkCreateShaderModule");
-    return found;
-  }
-  throw std::logic_error("no such shader: " + shader);
+  if (found) return found.get();
+  const Instance::Work work(device_.instance(), "shader", shader);
+  const auto words = device_.shaders().words(shader);
+  VkShaderModuleCreateInfo create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  create.codeSize = words.size_bytes();
+  create.pCode = words.data();
+  check(vkCreateShaderModule(device_.handle(), &create, nullptr, found.made_by(device_.handle())), "shader " + shader);
+  device_.name(VK_OBJECT_TYPE_SHADER_MODULE, found.get(), shader);
+  return found.get();
 }
 
 VkPipeline PipelineCache::compute(const std::string& shader, const Constants& constants) {
   auto& found = compute_[{shader, constants}];
-  if (found) return found;
+  if (found) return found.get();
+  const Instance::Work work(device_.instance(), "pipeline", shader);
   const Specialization specialization(constants);
   VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
@@ -101,14 +88,17 @@ VkPipeline PipelineCache::compute(const std::string& shader, const Constants& co
   create.stage.module = module(shader);
   create.stage.pName = "main";
   create.stage.pSpecializationInfo = &specialization.info;
-  create.layout = layout_;
-  check(vkCreateComputePipelines(device_.handle(), VK_NULL_HANDLE, 1, &create, nullptr, &found), "pipeline " + shader);
-  return found;
+  create.layout = layout_.get();
+  check(
+      vkCreateComputePipelines(device_.handle(), VK_NULL_HANDLE, 1, &create, nullptr, found.made_by(device_.handle())),
+      "pipeline " + shader);
+  device_.name(VK_OBJECT_TYPE_PIPELINE, found.get(), shader);
+  return found.get();
 }
 
 VkRenderPass PipelineCache::render_pass(const RenderPassDescription& description) {
   auto& found = render_passes_[description];
-  if (found) return found;
+  if (found) return found.get();
   const VkImageLayout colour_layout =
       description.ordered_read ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
   const VkAttachmentLoadOp load = description.clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
@@ -150,13 +140,15 @@ VkRenderPass PipelineCache::render_pass(const RenderPassDescription& description
   create.pSubpasses = &subpass;
   create.dependencyCount = description.ordered_read ? 1 : 0;
   create.pDependencies = &self;
-  check(vkCreateRenderPass(device_.handle(), &create, nullptr, &found), "vkCreateRenderPass");
-  return found;
+  check(vkCreateRenderPass(device_.handle(), &create, nullptr, found.made_by(device_.handle())), "vkCreateRenderPass");
+  return found.get();
 }
 
 VkPipeline PipelineCache::raster(const RasterDescription& description) {
   auto& found = raster_[description];
-  if (found) return found;
+  if (found) return found.get();
+  const std::string name = description.vertex + " + " + description.fragment;
+  const Instance::Work work(device_.instance(), "pipeline", name);
   const Specialization specialization(description.constants);
   std::vector<VkPipelineShaderStageCreateInfo> stages;
   const auto add_stage = [&](VkShaderStageFlagBits stage, const std::string& shader) {
@@ -217,11 +209,13 @@ VkPipeline PipelineCache::raster(const RasterDescription& description) {
   create.pDepthStencilState = &depth;
   create.pColorBlendState = &blending;
   create.pDynamicState = &dynamic;
-  create.layout = layout_;
+  create.layout = layout_.get();
   create.renderPass = render_pass(description.targets);
-  check(vkCreateGraphicsPipelines(device_.handle(), VK_NULL_HANDLE, 1, &create, nullptr, &found),
-        "pipeline " + description.vertex + " + " + description.fragment);
-  return found;
+  check(
+      vkCreateGraphicsPipelines(device_.handle(), VK_NULL_HANDLE, 1, &create, nullptr, found.made_by(device_.handle())),
+      "pipeline " + name);
+  device_.name(VK_OBJECT_TYPE_PIPELINE, found.get(), name);
+  return found.get();
 }
 
 }  // namespace subpixel::gpu

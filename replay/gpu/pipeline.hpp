@@ -54,9 +54,8 @@ struct RasterDescription {
 class PipelineCache {
  public:
   explicit PipelineCache(Device& device);
-  ~PipelineCache();
-  VkPipelineLayout layout() const { return layout_; }
-  VkDescriptorSetLayout material_set_layout() const { return material_layout_; }
+  VkPipelineLayout layout() const { return layout_.get(); }
+  VkDescriptorSetLayout material_set_layout() const { return material_layout_.get(); }
   VkPipeline compute(const std::string& shader, const Constants& constants);
   VkPipeline raster(const RasterDescription& description);
   VkRenderPass render_pass(const RenderPassDescription& description);
@@ -65,12 +64,12 @@ class PipelineCache {
   VkShaderModule module(const std::string& shader);
 
   Device& device_;
-  VkDescriptorSetLayout push_layout_ = VK_NULL_HANDLE, material_layout_ = VK_NULL_HANDLE;
-  VkPipelineLayout layout_ = VK_NULL_HANDLE;
-  std::map<std::string, VkShaderModule> modules_;
-  std::map<std::pair<std::string, Constants>, VkPipeline> compute_;
-  std::map<RasterDescription, VkPipeline> raster_;
-  std::map<RenderPassDescription, VkRenderPass> render_passes_;
+  UniqueSetLayout push_layout_, material_layout_;
+  UniquePipelineLayout layout_;
+  std::map<std::string, UniqueShaderModule> modules_;
+  std::map<std::pair<std::string, Constants>, UniquePipeline> compute_;
+  std::map<RasterDescription, UniquePipeline> raster_;
+  std::map<RenderPassDescription, UniqueRenderPass> render_passes_;
 };
 
 }  // namespace subpixel::gpu

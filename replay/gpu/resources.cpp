@@ -10,15 +10,15 @@
 namespace subpixel::gpu {
 namespace {
 
-VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, VkMemoryPropertyFlags required,
-                        VkMemoryPropertyFlags preferred, bool by_address, const std::string& name) {
+UniqueMemory allocate(Device& device, const VkMemoryRequirements& needs, VkMemoryPropertyFlags required,
+                      VkMemoryPropertyFlags preferred, bool by_address, const std::string& name) {
   VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
   flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
   VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, by_address ? &flags : nullptr};
   info.allocationSize = needs.size;
   info.memoryTypeIndex = device.memory_type(needs.memoryTypeBits, required, preferred);
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  const VkResult result = vkAllocateMemory(device.handle(), &info, nullptr, &memory);
+  UniqueMemory memory;
+  const VkResult result = vkAllocateMemory(device.handle(), &info, nullptr, memory.made_by(device.handle()));
   if (result < 0) throw DeviceError("device", fmt::format("can't allocate {} bytes", needs.size), name);
   return memory;
 }
@@ -26,69 +26,45 @@ VkDeviceMemory allocate(Device& device, const VkMemoryRequirements& needs, VkMem
 }  // namespace
 
 Buffer::Buffer(Device& device, std::string name, VkDeviceSize bytes)
-    : device_(&device), name_(std::move(name)), bytes_(bytes == 0 ? 16 : (bytes + 15) / 16 * 16) {
+    : name_(std::move(name)), bytes_(bytes == 0 ? 16 : (bytes + 15) / 16 * 16) {
   if (bytes_ > device.info().max_buffer_size)
     throw DeviceError(
         "device",
         fmt::format("a buffer of {} bytes is over the device's limit of {}", bytes_, device.info().max_buffer_size),
         name_);
+  const Instance::Work work(device.instance(), "buffer", name_);
   VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   create.size = bytes_;
   create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
                  VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                  VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
                  VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
-  check(vkCreateBuffer(device.handle(), &create, nullptr, &buffer_), "vkCreateBuffer");
+  check(vkCreateBuffer(device.handle(), &create, nullptr, buffer_.made_by(device.handle())), "vkCreateBuffer");
+  device.name(VK_OBJECT_TYPE_BUFFER, buffer_.get(), name_);
   VkMemoryRequirements needs;
-  vkGetBufferMemoryRequirements(device.handle(), buffer_, &needs);
-  try {
-    memory_ = allocate(device, needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
-                       VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, true, name_);
-  } catch (...) {
-    vkDestroyBuffer(device.handle(), buffer_, nullptr);
-    throw;
-  }
-  check(vkBindBufferMemory(device.handle(), buffer_, memory_, 0), "vkBindBufferMemory");
-  check(vkMapMemory(device.handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "vkMapMemory");
+  vkGetBufferMemoryRequirements(device.handle(), buffer_.get(), &needs);
+  memory_ = allocate(device, needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+                     VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, true, name_);
+  check(vkBindBufferMemory(device.handle(), buffer_.get(), memory_.get(), 0), "vkBindBufferMemory");
+  check(vkMapMemory(device.handle(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &mapped_), "vkMapMemory");
   std::memset(mapped_, 0, bytes_);
   VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
-  address.buffer = buffer_;
+  address.buffer = buffer_.get();
   address_ = vkGetBufferDeviceAddress(device.handle(), &address);
-}
-
-Buffer::~Buffer() {
-  if (!device_) return;
-  vkDestroyBuffer(device_->handle(), buffer_, nullptr);
-  vkFreeMemory(device_->handle(), memory_, nullptr);
-}
-
-Buffer::Buffer(Buffer&& other) noexcept {
-  *this = std::move(other);
-}
-
-Buffer& Buffer::operator=(Buffer&& other) noexcept {
-  std::swap(state, other.state);
-  std::swap(device_, other.device_);
-  std::swap(name_, other.name_);
-  std::swap(buffer_, other.buffer_);
-  std::swap(memory_, other.memory_);
-  std::swap(bytes_, other.bytes_);
-  std::swap(address_, other.address_);
-  std::swap(mapped_, other.mapped_);
-  return *this;
 }
 
 VkImageAspectFlags Image::aspect() const {
   return description_.format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
-Image::Image(Device& device, const ImageDescription& description) : device_(&device), description_(description) {
+Image::Image(Device& device, const ImageDescription& description) : description_(description) {
   const auto limit = device.info().max_image_dimension;
   if (description.width > limit || description.height > limit)
     throw DeviceError(
         "device",
         fmt::format("{}x{} is over the device's image limit of {}", description.width, description.height, limit),
         description.name);
+  const Instance::Work work(device.instance(), "image", description.name);
   VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   create.imageType = VK_IMAGE_TYPE_2D;
   create.format = description.format;
@@ -98,56 +74,30 @@ Image::Image(Device& device, const ImageDescription& description) : device_(&dev
   create.samples = description.samples;
   create.tiling = VK_IMAGE_TILING_OPTIMAL;
   create.usage = description.usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  check(vkCreateImage(device.handle(), &create, nullptr, &image_), "vkCreateImage");
+  check(vkCreateImage(device.handle(), &create, nullptr, image_.made_by(device.handle())), "vkCreateImage");
+  device.name(VK_OBJECT_TYPE_IMAGE, image_.get(), description.name);
   VkMemoryRequirements needs;
-  vkGetImageMemoryRequirements(device.handle(), image_, &needs);
+  vkGetImageMemoryRequirements(device.handle(), image_.get(), &needs);
   bytes_ = needs.size;
-  try {
-    memory_ = allocate(device, needs, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, false, description.name);
-  } catch (...) {
-    vkDestroyImage(device.handle(), image_, nullptr);
-    throw;
-  }
-  check(vkBindImageMemory(device.handle(), image_, memory_, 0), "vkBindImageMemory");
+  memory_ = allocate(device, needs, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, false, description.name);
+  check(vkBindImageMemory(device.handle(), image_.get(), memory_.get(), 0), "vkBindImageMemory");
   VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-  view.image = image_;
+  view.image = image_.get();
   view.viewType = description.layers > 1 || description.array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
   view.format = description.format;
   view.subresourceRange = {aspect(), 0, description.mips, 0, description.layers};
-  check(vkCreateImageView(device.handle(), &view, nullptr, &view_), "vkCreateImageView");
+  check(vkCreateImageView(device.handle(), &view, nullptr, view_.made_by(device.handle())), "vkCreateImageView");
+  device.name(VK_OBJECT_TYPE_IMAGE_VIEW, view_.get(), description.name);
   view.viewType = VK_IMAGE_VIEW_TYPE_2D;
   for (std::uint32_t layer = 0; layer < description.layers; ++layer) {
     view.subresourceRange = {aspect(), 0, 1, layer, 1};
-    VkImageView& one = layer_views_.emplace_back(VK_NULL_HANDLE);
-    check(vkCreateImageView(device.handle(), &view, nullptr, &one), "vkCreateImageView");
+    UniqueImageView& one = layer_views_.emplace_back();
+    check(vkCreateImageView(device.handle(), &view, nullptr, one.made_by(device.handle())), "vkCreateImageView");
+    device.name(VK_OBJECT_TYPE_IMAGE_VIEW, one.get(), fmt::format("{} layer {}", description.name, layer));
   }
 }
 
-Image::~Image() {
-  if (!device_) return;
-  vkDestroyImageView(device_->handle(), view_, nullptr);
-  for (const VkImageView view : layer_views_) vkDestroyImageView(device_->handle(), view, nullptr);
-  vkDestroyImage(device_->handle(), image_, nullptr);
-  vkFreeMemory(device_->handle(), memory_, nullptr);
-}
-
-Image::Image(Image&& other) noexcept {
-  *this = std::move(other);
-}
-
-Image& Image::operator=(Image&& other) noexcept {
-  std::swap(state, other.state);
-  std::swap(device_, other.device_);
-  std::swap(description_, other.description_);
-  std::swap(image_, other.image_);
-  std::swap(view_, other.view_);
-  std::swap(layer_views_, other.layer_views_);
-  std::swap(memory_, other.memory_);
-  std::swap(bytes_, other.bytes_);
-  return *this;
-}
-
-Sampler::Sampler(Device& device, const SamplerDescription& description) : device_(&device) {
+Sampler::Sampler(Device& device, const SamplerDescription& description) {
   VkSamplerCreateInfo create{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   create.magFilter = description.magnify;
   create.minFilter = description.minify;
@@ -156,21 +106,7 @@ Sampler::Sampler(Device& device, const SamplerDescription& description) : device
   create.addressModeV = description.address_v;
   create.maxLod = VK_LOD_CLAMP_NONE;
   create.borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE;
-  check(vkCreateSampler(device.handle(), &create, nullptr, &sampler_), "vkCreateSampler");
-}
-
-Sampler::~Sampler() {
-  if (device_) vkDestroySampler(device_->handle(), sampler_, nullptr);
-}
-
-Sampler::Sampler(Sampler&& other) noexcept {
-  *this = std::move(other);
-}
-
-Sampler& Sampler::operator=(Sampler&& other) noexcept {
-  std::swap(device_, other.device_);
-  std::swap(sampler_, other.sampler_);
-  return *this;
+  check(vkCreateSampler(device.handle(), &create, nullptr, sampler_.made_by(device.handle())), "vkCreateSampler");
 }
 
 std::uint32_t bytes_per_texel(VkFormat format) {
@@ -226,7 +162,7 @@ void upload(Device& device, Image& image, std::uint32_t mip, std::uint32_t layer
         fmt::format("upload to {}: {} bytes given, {} expected", description.name, texels.size(), expected));
   Buffer staging(device, description.name + " upload", texels.size());
   std::memcpy(staging.mapped().data(), texels.data(), texels.size());
-  device.run([&](VkCommandBuffer commands) {
+  device.run(staging.name(), [&](VkCommandBuffer commands) {
     transition(
         commands, image,
         {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL});
@@ -241,7 +177,7 @@ std::vector<std::byte> download(Device& device, Image& image, std::uint32_t laye
   const auto& description = image.description();
   const std::size_t bytes = std::size_t{description.width} * description.height * bytes_per_texel(description.format);
   Buffer staging(device, description.name + " download", bytes);
-  device.run([&](VkCommandBuffer commands) {
+  device.run(staging.name(), [&](VkCommandBuffer commands) {
     transition(commands, image,
                {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL});
     VkBufferImageCopy copy{};

@@ -25,12 +25,9 @@ class Buffer {
   Buffer() = default;
   // Zero-filled. `bytes` 0 makes a buffer of 16 bytes, so that an empty scene binds like any other.
   Buffer(Device& device, std::string name, VkDeviceSize bytes);
-  ~Buffer();
-  Buffer(Buffer&& other) noexcept;
-  Buffer& operator=(Buffer&& other) noexcept;
 
   const std::string& name() const { return name_; }
-  VkBuffer handle() const { return buffer_; }
+  VkBuffer handle() const { return buffer_.get(); }
   VkDeviceSize bytes() const { return bytes_; }
   VkDeviceAddress address() const { return address_; }
   std::span<std::byte> mapped() const { return {static_cast<std::byte*>(mapped_), static_cast<std::size_t>(bytes_)}; }
@@ -39,15 +36,14 @@ class Buffer {
   std::span<T> as() const {
     return {static_cast<T*>(mapped_), static_cast<std::size_t>(bytes_) / sizeof(T)};
   }
-  explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
+  explicit operator bool() const { return bool{buffer_}; }
 
   AccessState state;
 
  private:
-  Device* device_ = nullptr;
   std::string name_;
-  VkBuffer buffer_ = VK_NULL_HANDLE;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  UniqueMemory memory_;  // freed after what is bound to it
+  UniqueBuffer buffer_;
   VkDeviceSize bytes_ = 0;
   VkDeviceAddress address_ = 0;
   void* mapped_ = nullptr;
@@ -66,28 +62,24 @@ class Image {
  public:
   Image() = default;
   Image(Device& device, const ImageDescription& description);
-  ~Image();
-  Image(Image&& other) noexcept;
-  Image& operator=(Image&& other) noexcept;
 
   const ImageDescription& description() const { return description_; }
-  VkImage handle() const { return image_; }
-  VkImageView view() const { return view_; }
+  VkImage handle() const { return image_.get(); }
+  VkImageView view() const { return view_.get(); }
   // One layer, as an attachment.
-  VkImageView layer_view(std::uint32_t layer) const { return layer_views_[layer]; }
+  VkImageView layer_view(std::uint32_t layer) const { return layer_views_[layer].get(); }
   VkDeviceSize bytes() const { return bytes_; }  // what the device allocated
   VkImageAspectFlags aspect() const;
-  explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
+  explicit operator bool() const { return bool{image_}; }
 
   AccessState state;
 
  private:
-  Device* device_ = nullptr;
   ImageDescription description_;
-  VkImage image_ = VK_NULL_HANDLE;
-  VkImageView view_ = VK_NULL_HANDLE;
-  std::vector<VkImageView> layer_views_;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  UniqueMemory memory_;  // freed after what is bound to it
+  UniqueImage image_;
+  UniqueImageView view_;
+  std::vector<UniqueImageView> layer_views_;
   VkDeviceSize bytes_ = 0;
 };
 
@@ -104,14 +96,10 @@ class Sampler {
  public:
   Sampler() = default;
   Sampler(Device& device, const SamplerDescription& description);
-  ~Sampler();
-  Sampler(Sampler&& other) noexcept;
-  Sampler& operator=(Sampler&& other) noexcept;
-  VkSampler handle() const { return sampler_; }
+  VkSampler handle() const { return sampler_.get(); }
 
  private:
-  Device* device_ = nullptr;
-  VkSampler sampler_ = VK_NULL_HANDLE;
+  UniqueSampler sampler_;
 };
 
 std::uint32_t bytes_per_texel(VkFormat format);

@@ -115,7 +115,8 @@ std::string reference_key(const gpu::Device& device, const GpuScene& scene, std:
   for (const auto& shader : shaders::all()) {
     if (!shader.name.starts_with("reference/") && !shader.name.starts_with("scene/")) continue;
     hasher.add_text(shader.name);
-    hasher.add(shader.words.data(), shader.words.size_bytes());
+    const auto words = device.shaders().words(shader.name);
+    hasher.add(words.data(), words.size_bytes());
   }
   XXH128_canonical_t canonical;
   XXH128_canonicalFromHash(&canonical, hasher.digest());

@@ -10,21 +10,12 @@
 #include "replay/reference/reference.hpp"
 #include "replay/techniques/frame_setup.hpp"
 #include "tests/technique/rich_scene.hpp"
+#include "tests/technique/validation_fixture.hpp"
 
 namespace subpixel::replay {
 namespace {
 
 constexpr std::uint32_t kWidth = 64, kHeight = 36;
-
-bool layer_is_installed() {
-  std::uint32_t count = 0;
-  vkEnumerateInstanceLayerProperties(&count, nullptr);
-  std::vector<VkLayerProperties> layers(count);
-  vkEnumerateInstanceLayerProperties(&count, layers.data());
-  return std::ranges::any_of(layers, [](const VkLayerProperties& layer) {
-    return std::string_view(layer.layerName) == "VK_LAYER_KHRONOS_validation";
-  });
-}
 
 // The values of a parameter that take other shaders, formats or passes than the default; at most three.
 std::vector<nlohmann::json> values_of(const Parameter& parameter) {
@@ -83,26 +74,6 @@ void run(gpu::Device& device, GpuScene& scene, const Technique& technique, const
   for (const auto& map : outputs.maps) gpu::download(device, *map.second);
 }
 
-class Validation : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!layer_is_installed()) GTEST_SKIP() << "no VK_LAYER_KHRONOS_validation (Debian: vulkan-validationlayers)";
-  }
-
-  // What the layer says while a device runs `work`, from its making to its end.
-  template <typename Work>
-  std::vector<std::string> messages(Work work) {
-    std::vector<std::string> said;
-    gpu::DeviceOptions options;
-    options.validation_messages = &said;
-    {
-      gpu::Device device(options);
-      work(device, said);
-    }
-    return said;
-  }
-};
-
 TEST_F(Validation, EveryTechniqueAndTheReference) {
   // Alpha test, emission and the sun; the second scene has everything else as well.
   const capture::Capture capture = capture::generate("quads", {2, kWidth, kHeight, 1, 1});
@@ -138,20 +109,6 @@ TEST_F(Validation, EveryTechniqueAndTheReference) {
       }
   });
   for (const auto& message : said) ADD_FAILURE() << "at the end: " << message;
-}
-
-// The layer is on and heard: two fills of one buffer without a barrier between them.
-TEST_F(Validation, MistakesAreHeard) {
-  const auto said = messages([](gpu::Device& device, std::vector<std::string>&) {
-    gpu::Buffer buffer(device, "written twice", 256);
-    device.run([&](VkCommandBuffer commands) {
-      vkCmdFillBuffer(commands, buffer.handle(), 0, VK_WHOLE_SIZE, 1);
-      vkCmdFillBuffer(commands, buffer.handle(), 0, VK_WHOLE_SIZE, 2);
-    });
-  });
-  ASSERT_EQ(said.size(), 1u);
-  EXPECT_TRUE(said[0].starts_with("error: ")) << said[0];
-  EXPECT_NE(said[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << said[0];
 }
 
 }  // namespace
