@@ -64,7 +64,7 @@ int generate(const GenerateArguments& arguments) {
   }
   const capture::Capture made = capture::generate(arguments.scene, options);
   capture::write_capture(made, arguments.out);
-  fmt::print("{}: {}\n", arguments.out, written_summary(made, arguments.out));
+  fmt::print("{}: {}\n", printable(arguments.out), written_summary(made, arguments.out));
   return 0;
 }
 

@@ -213,7 +213,7 @@ void import_in_child(const std::string& in, const std::filesystem::path& out, co
     const bool ended_well = outcome.kind == ChildOutcome::Kind::exited && outcome.code == 0 && conversation.summary();
     if (ended_well && folder) folder->rename_to_target();
     if (!ended_well && outcome.kind == ChildOutcome::Kind::exited && outcome.code != 0 && conversation.error()) {
-      throw_reported(outcome.code, replaced(*conversation.error(), file, out.string()));
+      throw_reported(outcome.code, replaced(*conversation.error(), printable(file), out.string()));
     }
     if (!ended_well && outcome.kind != ChildOutcome::Kind::stopped) {
       throw InputError("can't import the model", why_it_ended(outcome, limits), in);
@@ -224,12 +224,11 @@ void import_in_child(const std::string& in, const std::filesystem::path& out, co
 }
 
 int import_worker(const std::string& in, const std::filesystem::path& out, capture::ImportOptions options) {
-  const auto fail = [](int code, std::string text) {
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    say({{"type", "error"}, {"text", text}});
+  const auto fail = [](int code, const std::string& text) {
+    say({{"type", "error"}, {"text", printable(text)}});  // bytes that are no UTF-8 would not go through JSON
     return code;
   };
-  options.progress = [](const std::string& line) { say({{"type", "progress"}, {"text", line}}); };
+  options.progress = [](const std::string& line) { say({{"type", "progress"}, {"text", printable(line)}}); };
   try {
     const capture::Capture made = capture::import_file(in, options);
     capture::write_capture(made, out);

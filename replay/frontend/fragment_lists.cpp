@@ -53,6 +53,7 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   small.bindings = {gpu::reads(0, frontend.small_records())};
   small.by_address = written;
   small.by_address.push_back(&frontend.records());
+  small.by_address.push_back(lists.addresses);  // stands for lists that are not there yet
   small.push = gpu::PushConstants(push);
   small.groups = {(groups + runs - 1) / runs * runs, 1, 1};
   recorder.compute(std::move(small));
@@ -151,8 +152,8 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
   lists.addresses = counted.addresses;
   lists.fragments = &recorder.buffer("fragments", lists.count * 16);
   lists.numbers = &recorder.buffer("fragment numbers", lists.count * 4);
-  lists.addresses->as<ListAddresses>()[0] = lists.by_address();
   record_counting(recorder, setup, counted, counting, name, masks);
+  lists.addresses->as<ListAddresses>()[0] = lists.by_address();
   record_collection(recorder, setup, lists, name, masks, "STORE");
   setup.outputs.counters["listed_fragments"] = lists.count;
   return lists;
@@ -190,9 +191,9 @@ void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setu
     compute.bindings.push_back(gpu::reads(10, scene.materials));
     compute.by_address = pass.by_address;
     compute.by_address.insert(compute.by_address.end(),
-                              {lists.fragments, lists.numbers, lists.ends, &frontend.records(), &scene.positions,
-                               &scene.normals, &scene.uvs, &scene.tangents, &scene.indices, &frontend.clip_matrices(),
-                               &scene.instances, &scene.second_uvs, &scene.colours});
+                              {lists.fragments, lists.numbers, lists.ends, lists.bases, &frontend.records(),
+                               &scene.positions, &scene.normals, &scene.uvs, &scene.tangents, &scene.indices,
+                               &frontend.clip_matrices(), &scene.instances, &scene.second_uvs, &scene.colours});
     compute.push = gpu::PushConstants(push);
     compute.material = scene.material_set(batch.material);
     compute.groups = {row, (groups + row - 1) / row, 1};

@@ -23,6 +23,10 @@ struct FrontendPush {
 struct SumPush {
   std::uint32_t chunk_count, triangle_slots, small_bits;
 };
+// Of emit.comp; the last two for what is left of small triangles.
+struct EmitPush {
+  std::uint32_t chunk_count, triangle_slots, hull_capacity, small_capacity, small_bits;
+};
 
 constexpr std::uint32_t kChunk = SUBPIXEL_CHUNK_TRIANGLES;
 // A dispatch may have at least this many groups in each dimension (Vulkan's required limit).
@@ -222,9 +226,7 @@ void Frontend::record_setup(gpu::PassRecorder& recorder) {
   emit.shader = "frontend/emit.comp:ALL";
   emit.bindings = {gpu::reads(0, counts_), gpu::reads(1, sums_), gpu::writes(2, hull_indices_),
                    gpu::writes(3, piece_bases_)};
-  struct {
-    std::uint32_t chunk_count, triangle_slots, hull_capacity;
-  } const emit_push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_)};
+  const EmitPush emit_push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_), 0, 0};
   emit.push = gpu::PushConstants(emit_push);
   emit.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(emit);
@@ -265,10 +267,8 @@ void Frontend::record_small_list(gpu::PassRecorder& recorder, const std::string&
   pass.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(pass);
   record_scan(recorder, name, rest_sums_, chunk_count_);
-  struct {
-    std::uint32_t chunk_count, triangle_slots, hull_capacity, small_capacity, small_bits;
-  } const push{chunk_count_, triangle_slots(), static_cast<std::uint32_t>(hull_triangles_),
-               static_cast<std::uint32_t>(small_count(with_tested)), small_bits};
+  const EmitPush push{chunk_count_, triangle_slots(), static_cast<std::uint32_t>(hull_triangles_),
+                      static_cast<std::uint32_t>(small_count(with_tested)), small_bits};
   pass.push = gpu::PushConstants(push);
   pass.shader = "frontend/emit.comp:REST";
   pass.bindings = {gpu::reads(0, counts_), gpu::reads(1, rest_sums_), gpu::writes(2, rest_indices_),
@@ -291,18 +291,18 @@ void Frontend::record_visible(gpu::PassRecorder& recorder, gpu::Image& visibilit
   mark.bindings = {gpu::samples(0, visibility), gpu::writes(0, visible_)};
   recorder.raster(std::move(mark));
 
-  struct {
-    std::uint32_t chunk_count, triangle_slots, hull_capacity;
-  } const push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_)};
+  const EmitPush push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_), 0, 0};
+  const SumPush sum_push{push.chunk_count, push.triangle_slots, 0};
   gpu::ComputePass pass;
   pass.name = "compaction";
-  pass.push = gpu::PushConstants(push);
+  pass.push = gpu::PushConstants(sum_push);
   pass.shader = "frontend/chunk_sum.comp:VISIBLE";
   pass.bindings = {gpu::reads(0, counts_), gpu::writes(1, visible_sums_), gpu::reads(3, piece_bases_),
                    gpu::reads(4, visible_)};
   pass.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(pass);
   record_scan(recorder, "compaction", visible_sums_, chunk_count_);
+  pass.push = gpu::PushConstants(push);
   pass.shader = "frontend/emit.comp:VISIBLE";
   pass.bindings = {gpu::reads(0, counts_), gpu::reads(1, visible_sums_), gpu::writes(2, visible_indices_),
                    gpu::reads(3, piece_bases_), gpu::reads(4, visible_)};

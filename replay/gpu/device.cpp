@@ -154,7 +154,9 @@ void check(VkResult result, std::string_view call) {
 }
 
 Device::Device(const DeviceOptions& options)
-    : shaders_(options.shaders), instance_(options.names, options.validation_messages) {
+    : shaders_(options.shaders),
+      instance_(options.names, options.validation_messages),
+      checks_interfaces_(options.check_interfaces) {
   choose_physical(options);
   create_device();
   pipelines_ = std::make_unique<PipelineCache>(*this);
@@ -300,6 +302,18 @@ std::uint32_t Device::memory_type(std::uint32_t allowed_types, VkMemoryPropertyF
     }
   }
   throw DeviceError("device", "no memory type fits", "vkGetPhysicalDeviceMemoryProperties");
+}
+
+void Device::add_address(VkDeviceAddress address, VkDeviceSize bytes, std::string name) {
+  addresses_[address] = {address, bytes, std::move(name)};
+}
+
+std::optional<Device::AddressedBuffer> Device::buffer_at(VkDeviceAddress address) const {
+  auto found = addresses_.upper_bound(address);
+  if (found == addresses_.begin()) return std::nullopt;
+  --found;
+  if (address - found->first >= found->second.bytes) return std::nullopt;
+  return found->second;
 }
 
 }  // namespace subpixel::gpu

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,9 @@ namespace subpixel::gpu {
 
 struct DeviceOptions {
   bool any_device = false;  // false: lavapipe only, so that results are comparable from machine to machine
+  // Every pass is held against what its shaders declare and against the addresses it hands on; a mismatch is a
+  // logic_error.
+  bool check_interfaces = false;
   // The folder all shaders are read from instead of the embedded ones (ShaderLibrary); empty: those.
   std::filesystem::path shaders = shader_folder_of_environment();
   bool names = false;  // of buffers, images, pipelines and passes reach Vulkan, for RenderDoc and layers
@@ -42,6 +47,7 @@ class Device {
   Device& operator=(const Device&) = delete;
 
   const DeviceInfo& info() const { return info_; }
+  bool checks_interfaces() const { return checks_interfaces_; }
   VkDevice handle() const { return device_.get(); }
   Instance& instance() { return instance_; }
   VkPhysicalDevice physical() const { return physical_; }
@@ -64,6 +70,17 @@ class Device {
   std::uint32_t memory_type(std::uint32_t allowed_types, VkMemoryPropertyFlags required,
                             VkMemoryPropertyFlags preferred) const;
 
+  // Buffers that shaders may be given by address: who passes one on has to say so, or its barriers are missing.
+  void add_address(VkDeviceAddress address, VkDeviceSize bytes, std::string name);
+  void remove_address(VkDeviceAddress address) { addresses_.erase(address); }
+  struct AddressedBuffer {
+    VkDeviceAddress address = 0;
+    VkDeviceSize bytes = 0;
+    std::string name;
+  };
+  // The live buffer that the address lies in.
+  std::optional<AddressedBuffer> buffer_at(VkDeviceAddress address) const;
+
   PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
 
  private:
@@ -83,7 +100,9 @@ class Device {
   float timestamp_period_ns_ = 1;
   VkPhysicalDeviceMemoryProperties memory_{};
   double total_ms_ = 0;
+  bool checks_interfaces_ = false;
   DeviceInfo info_;
+  std::map<VkDeviceAddress, AddressedBuffer> addresses_;
   std::unique_ptr<PipelineCache> pipelines_;
 };
 

@@ -1,6 +1,9 @@
 #include "replay/gpu/pass_recorder.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
+#include <span>
+#include <stdexcept>
 
 namespace subpixel::gpu {
 
@@ -189,7 +192,74 @@ void PassRecorder::bind(VkCommandBuffer commands, VkPipelineBindPoint point, con
                               descriptors.data());
 }
 
+namespace {
+
+std::uint32_t binding_of(const Binding& binding) {
+  switch (binding.kind) {
+    case Binding::Kind::uniform:
+      return kUniformBinding;
+    case Binding::Kind::storage_read:
+    case Binding::Kind::storage_write:
+      return kStorageBinding + binding.slot;
+    case Binding::Kind::sampled:
+      return kSampledBinding + binding.slot;
+    case Binding::Kind::image_read:
+    case Binding::Kind::image_write:
+      return kStorageImageBinding + binding.slot;
+  }
+  return 0;
+}
+
+}  // namespace
+
+// Mistakes of ours, so a logic_error.
+void PassRecorder::require_interface(const std::string& pass, const std::vector<std::string>& shaders,
+                                     SuppliedInterface supplied, const Constants& constants,
+                                     const std::vector<Binding>& bindings) {
+  if (!device_.checks_interfaces()) return;
+  std::vector<ShaderStage> stages;
+  for (const std::string& shader : shaders) {
+    if (shader.empty()) continue;
+    stages.push_back({shader, &device_.pipelines().interface(shader)});
+    const auto& known = device_.pipelines().folder_constants(shader);
+    supplied.known_constants.insert(supplied.known_constants.end(), known.begin(), known.end());
+  }
+  for (const auto& [id, value] : constants) supplied.constants.push_back(id);
+  for (const Binding& binding : bindings) supplied.bindings.push_back(binding_of(binding));
+  const std::string wrong = mismatch(stages, supplied);
+  if (!wrong.empty()) throw std::logic_error(fmt::format("pass {}: {}", pass, wrong));
+}
+
+// Push constants that hold a buffer's address, and small bound buffers that do, make the buffer one that the pass uses.
+void PassRecorder::require_declared_addresses(const std::string& pass, const PushConstants& push,
+                                              const std::vector<Use>& uses) const {
+  if (!device_.checks_interfaces()) return;
+  constexpr VkDeviceSize kAddressTable = 256;  // larger buffers hold more than addresses
+  const auto require = [&](std::span<const std::byte> bytes, const std::string& holder) {
+    for (std::size_t at = 0; at + sizeof(VkDeviceAddress) <= bytes.size(); at += sizeof(VkDeviceAddress)) {
+      VkDeviceAddress address = 0;
+      std::memcpy(&address, bytes.data() + at, sizeof address);
+      const auto buffer = address == 0 ? std::nullopt : device_.buffer_at(address);
+      if (!buffer) continue;
+      const bool is_used = std::any_of(uses.begin(), uses.end(), [&](const Use& use) {
+        return use.buffer != nullptr && use.buffer->address() == buffer->address;
+      });
+      if (is_used) continue;
+      throw std::logic_error(fmt::format("pass {}: {} hold the address of buffer {}, which the pass does not declare",
+                                         pass, holder, buffer->name));
+    }
+  };
+  require(std::span(push.bytes).first(push.size), "push constants");
+  for (const Use& use : uses)
+    if (use.buffer != nullptr && use.buffer->bytes() <= kAddressTable)
+      require(use.buffer->mapped(), use.buffer->name());
+}
+
 void PassRecorder::compute(ComputePass pass) {
+  SuppliedInterface supplied;
+  supplied.push_bytes = pass.push.size;
+  supplied.material = pass.material != VK_NULL_HANDLE;
+  require_interface(pass.name, {pass.shader}, std::move(supplied), pass.constants, pass.bindings);
   Step step;
   step.timing = timing(pass.name);
   step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
@@ -203,6 +273,7 @@ void PassRecorder::compute(ComputePass pass) {
         {pass.indirect,
          nullptr,
          {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
+  require_declared_addresses(pass.name, pass.push, step.uses);
   const VkPipeline pipeline = device_.pipelines().compute(pass.shader, pass.constants);
   step.record = [this, pipeline, pass = std::move(pass)](VkCommandBuffer commands) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
@@ -250,6 +321,16 @@ VkFramebuffer PassRecorder::framebuffer(const RasterPass& pass, VkRenderPass ren
 
 void PassRecorder::raster(RasterPass pass) {
   const bool ordered = pass.pipeline.targets.ordered_read;
+  SuppliedInterface supplied;
+  if (pass.draws && pass.push.size == 0)
+    supplied.push_bytes.reset();
+  else
+    supplied.push_bytes = pass.push.size;
+  supplied.material = static_cast<bool>(pass.draws);  // bound between the draws
+  for (std::size_t i = 0; ordered && i < pass.colours.size(); ++i)
+    supplied.bindings.push_back(kInputAttachmentBinding + static_cast<std::uint32_t>(i));
+  require_interface(pass.name, {pass.pipeline.vertex, pass.pipeline.fragment}, std::move(supplied),
+                    pass.pipeline.constants, pass.bindings);
   Step step;
   step.timing = timing(pass.name);
   step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
@@ -285,6 +366,7 @@ void PassRecorder::raster(RasterPass pass) {
           VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
           VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}});
 
+  require_declared_addresses(pass.name, pass.push, step.uses);
   const VkPipeline pipeline = device_.pipelines().raster(pass.pipeline);
   const VkRenderPass render_pass = device_.pipelines().render_pass(pass.pipeline.targets);
   const VkFramebuffer target = framebuffer(pass, render_pass);

@@ -32,9 +32,10 @@ Binding image_writes(std::uint32_t slot, Image& image);
 
 struct PushConstants {
   std::array<std::byte, kPushConstantBytes> bytes{};
+  std::uint32_t size = 0;  // of the value they are made of
   PushConstants() = default;
   template <typename T>
-  explicit PushConstants(const T& value) {
+  explicit PushConstants(const T& value) : size(sizeof(T)) {
     static_assert(sizeof(T) <= kPushConstantBytes);
     std::memcpy(bytes.data(), &value, sizeof(T));
   }
@@ -146,6 +147,10 @@ class PassRecorder {
   std::vector<Use> uses_of(const std::vector<Binding>& bindings, VkPipelineStageFlags2 stages) const;
   void barrier(VkCommandBuffer commands, const std::vector<Use>& uses);
   std::size_t timing(const std::string& name);
+  void require_interface(const std::string& pass, const std::vector<std::string>& shaders, SuppliedInterface supplied,
+                         const Constants& constants, const std::vector<Binding>& bindings);
+  void require_declared_addresses(const std::string& pass, const PushConstants& push,
+                                  const std::vector<Use>& uses) const;
   VkFramebuffer framebuffer(const RasterPass& pass, VkRenderPass render_pass);
 
   Device& device_;

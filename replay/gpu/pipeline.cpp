@@ -1,5 +1,7 @@
 #include "replay/gpu/pipeline.hpp"
 
+#include "shaders/embedded.hpp"
+
 namespace subpixel::gpu {
 namespace {
 
@@ -62,6 +64,23 @@ PipelineCache::PipelineCache(Device& device) : device_(device) {
   create.pPushConstantRanges = &range;
   check(vkCreatePipelineLayout(device.handle(), &create, nullptr, layout_.made_by(device.handle())),
         "vkCreatePipelineLayout");
+}
+
+const ShaderInterface& PipelineCache::interface(const std::string& shader) {
+  const auto known = interfaces_.find(shader);
+  if (known != interfaces_.end()) return known->second;
+  return interfaces_.emplace(shader, interface_of(device_.shaders().words(shader))).first->second;
+}
+
+const std::vector<std::uint32_t>& PipelineCache::folder_constants(const std::string& shader) {
+  const std::string folder = shader.substr(0, shader.rfind('/') + 1);
+  const auto [ids, is_new] = folder_constants_.try_emplace(folder);
+  if (!is_new) return ids->second;
+  for (const auto& embedded : shaders::all()) {
+    if (!embedded.name.starts_with(folder)) continue;
+    for (const auto& constant : interface(std::string(embedded.name)).constants) ids->second.push_back(constant.id);
+  }
+  return ids->second;
 }
 
 VkShaderModule PipelineCache::module(const std::string& shader) {

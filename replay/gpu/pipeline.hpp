@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "replay/gpu/device.hpp"
+#include "replay/gpu/shader_interface.hpp"
 
 namespace subpixel::gpu {
 
@@ -59,6 +60,10 @@ class PipelineCache {
   VkPipeline compute(const std::string& shader, const Constants& constants);
   VkPipeline raster(const RasterDescription& description);
   VkRenderPass render_pass(const RenderPassDescription& description);
+  // What a shader of the build declares; walked once.
+  const ShaderInterface& interface(const std::string& shader);
+  // Ids of constants that any shader of the same folder declares.
+  const std::vector<std::uint32_t>& folder_constants(const std::string& shader);
 
  private:
   VkShaderModule module(const std::string& shader);
@@ -67,6 +72,8 @@ class PipelineCache {
   UniqueSetLayout push_layout_, material_layout_;
   UniquePipelineLayout layout_;
   std::map<std::string, UniqueShaderModule> modules_;
+  std::map<std::string, ShaderInterface> interfaces_;
+  std::map<std::string, std::vector<std::uint32_t>> folder_constants_;
   std::map<std::pair<std::string, Constants>, UniquePipeline> compute_;
   std::map<RasterDescription, UniquePipeline> raster_;
   std::map<RenderPassDescription, UniqueRenderPass> render_passes_;

@@ -51,6 +51,7 @@ Buffer::Buffer(Device& device, std::string name, VkDeviceSize bytes)
   VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
   address.buffer = buffer_.get();
   address_ = vkGetBufferDeviceAddress(device.handle(), &address);
+  listed_ = AddressEntry(device, address_, bytes_, name_);
 }
 
 VkImageAspectFlags Image::aspect() const {

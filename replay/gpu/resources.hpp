@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "replay/gpu/device.hpp"
@@ -16,6 +17,30 @@ struct AccessState {
   VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_NONE;
   VkAccessFlags2 access = VK_ACCESS_2_NONE;
   VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+};
+
+// Lists a buffer's address with its device for as long as the buffer lives.
+class AddressEntry {
+ public:
+  AddressEntry() = default;
+  AddressEntry(Device& device, VkDeviceAddress address, VkDeviceSize bytes, const std::string& name)
+      : device_(&device), address_(address) {
+    device.add_address(address, bytes, name);
+  }
+  ~AddressEntry() {
+    if (device_ != nullptr) device_->remove_address(address_);
+  }
+  AddressEntry(AddressEntry&& other) noexcept
+      : device_(std::exchange(other.device_, nullptr)), address_(other.address_) {}
+  AddressEntry& operator=(AddressEntry&& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(address_, other.address_);
+    return *this;
+  }
+
+ private:
+  Device* device_ = nullptr;
+  VkDeviceAddress address_ = 0;
 };
 
 // Host-visible and coherent: on a CPU device that is the device's memory, elsewhere the mapped window of it.
@@ -46,6 +71,7 @@ class Buffer {
   UniqueBuffer buffer_;
   VkDeviceSize bytes_ = 0;
   VkDeviceAddress address_ = 0;
+  AddressEntry listed_;
   void* mapped_ = nullptr;
 };
 

@@ -45,6 +45,13 @@ struct Work {
   TextureTable textures;
 };
 
+// All that the push constants hand on, whichever pass reads it.
+std::vector<gpu::Buffer*> addressed(GpuScene& scene, Work& work) {
+  return {&scene.second_uvs, &scene.colours,     &work.corners,     &work.triangles,  &scene.indices,
+          &scene.normals,    &scene.uvs,         &scene.tangents,   &scene.instances, &work.textures.texels,
+          &work.sums,        &work.compensation, &work.display_sums};
+}
+
 gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, gpu::Image& depth,
                                 const ReferencePush& push) {
   gpu::RasterPass pass;
@@ -62,8 +69,7 @@ gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, g
   pass.bindings = {gpu::uniform(scene.frame_constants),    gpu::reads(0, work.turn),
                    gpu::reads(1, scene.materials),         gpu::reads(2, work.textures.levels),
                    gpu::reads(3, work.textures.materials), gpu::reads(4, scene.uv_mappings)};
-  pass.by_address = {&work.corners,     &work.triangles, &scene.indices,       &scene.uvs,
-                     &scene.second_uvs, &scene.colours,  &work.textures.texels};
+  pass.by_address = addressed(scene, work);
   pass.push = gpu::PushConstants(push);
   gpu::RasterDescription solid = pass.pipeline, tested = pass.pipeline;
   tested.fragment = "reference/visibility.frag:TESTED";
@@ -87,9 +93,7 @@ gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scen
                    gpu::reads(1, scene.materials),         gpu::reads(2, work.textures.levels),
                    gpu::reads(3, work.textures.materials), gpu::reads(4, scene.uv_mappings),
                    gpu::reads(8, scene.spot_cones)};
-  pass.by_address = {&scene.second_uvs, &scene.colours,     &work.corners,     &work.triangles,  &scene.indices,
-                     &scene.normals,    &scene.uvs,         &scene.tangents,   &scene.instances, &work.textures.texels,
-                     &work.sums,        &work.compensation, &work.display_sums};
+  pass.by_address = addressed(scene, work);
   pass.push = gpu::PushConstants(push);
   const auto& size = scene.constants().viewport;
   pass.groups = {groups(static_cast<std::uint32_t>(size.x)), groups(static_cast<std::uint32_t>(size.y)), 1};

@@ -175,7 +175,7 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   pass.constants = setup.frontend.constants();
   append(pass.constants, constants_of(form));
   pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(1, *r.table)};
-  pass.by_address = {lists.fragments, lists.numbers, lists.ends, &setup.frontend.records(), &kept};
+  pass.by_address = {lists.fragments, lists.numbers, lists.ends, lists.bases, &setup.frontend.records(), &kept};
   pass.push = gpu::PushConstants(keep_push);
   pass.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
   recorder.compute(pass);
@@ -192,7 +192,7 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   pass.name = "merge";
   pass.shader = "techniques/dcaa/merge_lists.comp";
   pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(2, *r.view)};
-  pass.by_address = {lists.fragments, lists.numbers, lists.ends, &surfaces, &kept, r.words};
+  pass.by_address = {lists.fragments, lists.numbers, lists.ends, lists.bases, &surfaces, &kept, r.words};
   pass.push = gpu::PushConstants(push);
   recorder.compute(pass);
 }
@@ -207,9 +207,10 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
       lighting_pass(setup, "resolve and shade", "techniques/dcaa/shade.frag:" + r.variant() + (lobes ? "_LOBES" : ""));
   append(pass.pipeline.constants, constants_of(form));
   if (lobes) pass.pipeline.constants.emplace_back(9, form.shadow_taps);
-  if ((form.options & DCAA_SECOND_MOMENTS) != 0) pass.pipeline.constants.emplace_back(8, AGAA_SGGX);
+  if (lobes) pass.pipeline.constants.emplace_back(8, (form.options & DCAA_SECOND_MOMENTS) != 0 ? AGAA_SGGX : 0u);
   pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  pass.bindings.push_back(gpu::reads(1, *r.table));  // declared with the masks' own functions, not read
   pass.bindings.push_back(gpu::reads(2, *r.view));
   r.bind_state(pass);
   recorder.raster(std::move(pass));

@@ -100,6 +100,7 @@ void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   pass.name = kLink;
   pass.constants = setup.frontend.constants();
   append(pass.constants, list_constants(setup));
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
   bind(pass, lists);
   if (allocation(setup) == LINK_ALLOCATE_ATOMIC) {
     pass.shader = "techniques/linked_list/clear.comp";
@@ -144,12 +145,14 @@ void record_geometry(gpu::PassRecorder& recorder, const FrameSetup& setup, const
 }
 
 // The dynamic blocks' part of `shading`, which has the lights bound.
-void record_block_lighting(gpu::PassRecorder& recorder, const Lists& lists, const gpu::RasterPass& shading) {
+void record_block_lighting(gpu::PassRecorder& recorder, gpu::Buffer& frame_constants, const Lists& lists,
+                           const gpu::RasterPass& shading) {
   gpu::Buffer& groups = recorder.buffer("block groups", 12);
   gpu::ComputePass pass;
   pass.name = "shade blocks";
   pass.shader = "techniques/linked_list/groups.comp";
   pass.constants = shading.pipeline.constants;
+  pass.bindings = {gpu::uniform(frame_constants)};
   bind(pass, lists);
   pass.bindings.push_back(gpu::writes(1, groups));
   recorder.compute(std::move(pass));
@@ -171,7 +174,7 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
   setup.outputs.display = &recorder.image(output);
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/linked_list/shade.frag");
   append(pass.pipeline.constants, list_constants(setup));
-  if (by_blocks(setup)) record_block_lighting(recorder, lists, pass);
+  if (by_blocks(setup)) record_block_lighting(recorder, setup.scene.frame_constants, lists, pass);
   pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
   bind(pass, lists);

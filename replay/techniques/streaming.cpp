@@ -152,7 +152,8 @@ void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setu
   pass.constants = setup.frontend.constants();
   append(pass.constants, streaming_constants(setup));
   pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
-  pass.by_address = {lists.fragments, lists.numbers, lists.ends, &setup.frontend.records(), state.words, &passed};
+  pass.by_address = {lists.fragments,           lists.numbers, lists.ends, lists.bases,
+                     &setup.frontend.records(), state.words,   &passed};
   pass.push = gpu::PushConstants(push);
   pass.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
   recorder.compute(pass);
@@ -166,7 +167,7 @@ void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setu
   push.records_or_surfaces = surfaces.address();
   pass.name = "merge";
   pass.shader = "techniques/streaming/merge.comp";
-  pass.by_address = {lists.fragments, lists.numbers, lists.ends, &surfaces, state.words, &passed};
+  pass.by_address = {lists.fragments, lists.numbers, lists.ends, lists.bases, &surfaces, state.words, &passed};
   pass.push = gpu::PushConstants(push);
   recorder.compute(pass);
 }

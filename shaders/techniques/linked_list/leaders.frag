@@ -5,6 +5,7 @@
 // The fragments of each pixel that need a dynamic block.
 // Reads: visibility (slot 0). Writes: dynamic_leaders().
 layout(constant_id = 0) const uint SAMPLES = 8u;
+#define WRITES_LEADERS
 #include "include/coverage.glsl"
 #include "techniques/linked_list/leaders.glsl"
 

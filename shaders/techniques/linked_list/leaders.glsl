@@ -5,7 +5,9 @@
 
 #include "techniques/linked_list/blocks.glsl"
 
+#ifndef WRITES_LEADERS
 layout(set = 0, binding = 14) uniform usampler2D leaders_image;
+#endif
 
 struct PixelTriangles {
   uvec4 low, high;  // of samples 0 to 3 and 4 to 7
