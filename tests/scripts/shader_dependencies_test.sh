@@ -38,7 +38,7 @@ while read -r file; do
   # Includes within #if may be left out of a variant; those at the top of the shader that has none may not.
   if ! grep -q '^ *# *if' "$shaders/$shader"; then
     for include in ${includes_of[$shader]}; do
-      [ -z "${includes_of[$include]+known}" ] || grep -qxF "$include" <<<"$recorded" || fail "$file: does not depend on $include"
+      [ -z "${includes_of[$include]+known}" ] || grep -xF "$include" <<<"$recorded" >/dev/null || fail "$file: does not depend on $include"
     done
   fi
   checked=$((checked + 1))
