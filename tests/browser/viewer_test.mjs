@@ -69,6 +69,13 @@ const viewIsDrawn = (previous) => page.waitForFunction(
 const canvasPixel = (x, y) => page.locator('.view-canvas').evaluate((canvas, [sx, sy]) =>
   [...canvas.getContext('2d').getImageData(Math.round(canvas.width * sx), Math.round(canvas.height * sy), 1, 1).data], [x, y]);
 
+// The page asks for what it shows, so a count is awaited: one that never comes out is the failure.
+const counted = async (locator, expected, why = '') => {
+  const ends = Date.now() + timeout;
+  while (await locator.count() !== expected && Date.now() < ends) await page.waitForTimeout(20);
+  assert.equal(await locator.count(), expected, why || String(locator));
+};
+
 const tests = [
   ['an empty service says so', async () => {
     await page.goto(service.url);
@@ -83,10 +90,10 @@ const tests = [
       return data;
     }, [readFileSync(path).toString('base64'), hostileName]);
     await page.dispatchEvent('.drop', 'dragover', {dataTransfer: transfer});
-    assert.ok(await page.locator('.drop.over').count());
+    await page.locator('.drop.over').waitFor();
     await page.dispatchEvent('.drop', 'drop', {dataTransfer: transfer});
     await page.locator('.uploads').getByText('stored').waitFor();
-    assert.equal(await page.locator('.card').count(), 1);
+    await counted(page.locator('.card'), 1);
     await page.locator('.card img.thumbnail').waitFor({timeout});
     await page.waitForFunction(() => document.querySelector('img.thumbnail').naturalWidth === 320);
     await shot('captures');
@@ -94,7 +101,7 @@ const tests = [
 
   ['names are text, never markup', async () => {
     await page.locator('.card').getByText(hostileName).waitFor();
-    assert.equal(await page.locator('.card img[src="x"]').count(), 0);
+    await counted(page.locator('.card img[src="x"]'), 0);
   }],
 
   ['the same file again is one capture, and a foreign file is refused with the reason', async () => {
@@ -105,7 +112,7 @@ const tests = [
     await page.setInputFiles('#file', foreign);
     await page.locator('.uploads .problem').waitFor();
     assert.match(await page.locator('.uploads .problem').innerText(), /no valid capture/);
-    assert.equal(await page.locator('.card').count(), 1);
+    await counted(page.locator('.card'), 1);
     // The refusal is an answer with status 422, which the browser logs.
     complaints.splice(0, complaints.length, ...complaints.filter((text) => !text.includes('422')));
   }],
@@ -114,7 +121,7 @@ const tests = [
     await page.locator('.cover').first().click();
     await page.getByRole('heading', {name: 'New run'}).waitFor();
     const {techniques} = await (await fetch(`${service.url}/api/techniques`)).json();
-    assert.equal(await page.locator('.technique').count(), techniques.length);
+    await counted(page.locator('.technique'), techniques.length);
     for (const technique of techniques) {
       for (const parameter of technique.parameters.filter(({allowed}) => allowed?.length !== 1)) {
         await techniqueOf(technique.name).getByText(parameter.doc).first().waitFor({state: 'attached'});
@@ -156,21 +163,21 @@ const tests = [
 
   ['the table has memory, lighting, time with its ratio to msaa, and error', async () => {
     const rows = page.locator('.results tbody tr');
-    assert.equal(await rows.count(), 3);
+    await counted(rows, 3);
     const baseline = await rows.nth(1).innerText();
     assert.match(baseline, /msaa samples=4/);
     assert.match(baseline, /1\.00×/);
     for (let row = 0; row < 3; ++row) {
-      assert.equal(await rows.nth(row).locator('td').count(), 10);
+      await counted(rows.nth(row).locator('td'), 10);
       assert.doesNotMatch(await rows.nth(row).innerText(), /NaN|undefined|not measured/);
     }
     await page.getByText('Time by pass').click();
-    assert.ok(await page.locator('.pass-bar span').count() >= 3);
+    await page.locator('.pass-bar span').nth(2).waitFor({state: 'attached'});
   }],
 
   ['cost against error is plotted with its front, and can be taken away', async () => {
     await page.locator('.plot[data-drawn="time mse"] svg .point').nth(2).waitFor();
-    assert.equal(await page.locator('.plot svg .point').count(), 3);
+    await counted(page.locator('.plot svg .point'), 3);
     await page.locator('.plot svg .front').waitFor({state: 'attached'});
     assert.match(await page.locator('.plot').innerText(), /msaa 8x/);
     await page.getByRole('button', {name: 'memory', exact: true}).click();
@@ -188,7 +195,7 @@ const tests = [
     await page.getByLabel('MSE', {exact: true}).fill('1');
     await page.getByRole('button', {name: 'Advise'}).click();
     await page.getByText('3 of 3 measured settings are within the budget').waitFor();
-    assert.equal(await page.locator('.advice > li').count(), 3);
+    await counted(page.locator('.advice > li'), 3);
     assert.match(await page.locator('.advice > li').first().innerText(), /Least memory.*noaa.*Then.*msaa/is);
     await page.locator('.advice summary').first().click();
     assert.match(await page.locator('.advice > li').first().innerText(), /worst frame: MSE/);
@@ -260,7 +267,7 @@ const tests = [
     await page.getByRole('link', {name: 'Runs', exact: true}).first().click();
     await page.getByRole('heading', {name: 'Runs', exact: true, level: 1}).waitFor();  // the run's page has such a pill too
     await page.locator('.pill.done').waitFor();
-    assert.equal(await page.locator('tbody tr').count(), 1);
+    await counted(page.locator('tbody tr'), 1);
     await shot('runs-dark');
     await page.locator('tbody a').first().click();
     await page.locator('.view[data-shown]').waitFor();
@@ -289,9 +296,9 @@ const tests = [
     await page.getByLabel('Reference samples').selectOption('0');
     await page.getByRole('button', {name: 'Start run'}).click();
     await page.locator('.results tbody tr').nth(2).waitFor();
-    assert.equal(await page.locator('.results tbody tr').count(), 3);
+    await counted(page.locator('.results tbody tr'), 3);
     await page.locator('.pill.done').waitFor({timeout});
-    assert.equal(await page.locator('.plot').count(), 0, 'without a reference there is no error to plot');
+    await counted(page.locator('.plot'), 0, 'without a reference there is no error to plot');
   }],
 
   ['a night is a grid, and a failed cell opens baseline, tonight and difference', async () => {
@@ -303,7 +310,7 @@ const tests = [
     await page.locator('.nights tbody tr').waitFor();
     await page.locator('.nights tbody a').first().click();
     await page.locator('.cell.new').first().waitFor();
-    assert.equal(await page.locator('.cell').count(), 2);
+    await counted(page.locator('.cell'), 2);
     page.once('dialog', (dialog) => dialog.accept());
     await page.getByRole('button', {name: 'Approve as browser'}).click();
     await page.locator('.label', {hasText: 'baseline browser'}).waitFor();
