@@ -6,7 +6,7 @@
 #include <bit>
 #include <utility>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::capture {
 namespace {
