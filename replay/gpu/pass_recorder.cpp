@@ -5,6 +5,8 @@
 #include <span>
 #include <stdexcept>
 
+#include "capture_format/error.hpp"
+
 namespace subpixel::gpu {
 
 Binding uniform(Buffer& buffer) {
@@ -15,6 +17,12 @@ Binding reads(std::uint32_t slot, Buffer& buffer) {
 }
 Binding writes(std::uint32_t slot, Buffer& buffer) {
   return {Binding::Kind::storage_write, slot, &buffer, nullptr, nullptr};
+}
+Binding reads(std::uint32_t slot, AddressTable& table) {
+  return {Binding::Kind::storage_read, slot, &table.buffer(), nullptr, nullptr, &table};
+}
+Binding writes(std::uint32_t slot, AddressTable& table) {
+  return {Binding::Kind::storage_write, slot, &table.buffer(), nullptr, nullptr, &table};
 }
 Binding samples(std::uint32_t slot, Image& image, const Sampler* sampler) {
   return {Binding::Kind::sampled, slot, nullptr, &image, sampler};
@@ -27,7 +35,8 @@ void DrawEncoder::push(const PushConstants& push) {
   vkCmdPushConstants(commands_, device_.pipelines().layout(), VK_SHADER_STAGE_ALL, 0, kPushConstantBytes,
                      push.bytes.data());
 }
-void DrawEncoder::pipeline(const RasterDescription& description) {
+void DrawEncoder::pipeline(RasterDescription description) {
+  description.targets = targets_;
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, device_.pipelines().raster(description));
 }
 void DrawEncoder::material(VkDescriptorSet set) {
@@ -62,8 +71,13 @@ Image& PassRecorder::image(const ImageDescription& description) {
   return images_.emplace_back(device_, description);
 }
 
+AddressTable& PassRecorder::address_table(std::string name, VkDeviceSize bytes) {
+  return tables_.emplace_back(device_, std::move(name), bytes);
+}
+
 std::uint64_t PassRecorder::allocated_bytes() const {
   std::uint64_t total = 0;
+  for (const auto& table : tables_) total += table.bytes();
   for (const auto& buffer : buffers_) total += buffer.bytes();
   for (const auto& image : images_) total += image.bytes();
   return total;
@@ -101,8 +115,17 @@ std::vector<PassRecorder::Use> PassRecorder::uses_of(const std::vector<Binding>&
         break;
     }
     uses.push_back(use);
+    if (binding.table == nullptr) continue;
+    for (Buffer* target : binding.table->targets()) uses.push_back({target, nullptr, use.state});
   }
   return uses;
+}
+
+void PassRecorder::add_addressed(std::vector<Use>& uses, const AddressUses& addresses, VkPipelineStageFlags2 stages) {
+  for (const AddressedUse& use : addresses.addressed) {
+    const VkAccessFlags2 written = use.is_written ? VK_ACCESS_2_SHADER_WRITE_BIT : 0;
+    uses.push_back({use.buffer, nullptr, {stages, VK_ACCESS_2_SHADER_READ_BIT | written, VK_IMAGE_LAYOUT_UNDEFINED}});
+  }
 }
 
 void PassRecorder::barrier(VkCommandBuffer commands, const std::vector<Use>& uses) {
@@ -212,10 +235,11 @@ std::uint32_t binding_of(const Binding& binding) {
 
 }  // namespace
 
-// Mistakes of ours, so a logic_error.
+// Mistakes of ours, so a logic_error; of shaders that a folder brings, bad input.
 void PassRecorder::require_interface(const std::string& pass, const std::vector<std::string>& shaders,
                                      SuppliedInterface supplied, const Constants& constants,
-                                     const std::vector<Binding>& bindings) {
+                                     const std::vector<Binding>& bindings, const PushConstants& push,
+                                     const std::vector<Use>& uses) {
   if (!device_.checks_interfaces()) return;
   std::vector<ShaderStage> stages;
   for (const std::string& shader : shaders) {
@@ -225,44 +249,44 @@ void PassRecorder::require_interface(const std::string& pass, const std::vector<
     supplied.known_constants.insert(supplied.known_constants.end(), known.begin(), known.end());
   }
   for (const auto& [id, value] : constants) supplied.constants.push_back(id);
-  for (const Binding& binding : bindings) supplied.bindings.push_back(binding_of(binding));
-  const std::string wrong = mismatch(stages, supplied);
-  if (!wrong.empty()) throw std::logic_error(fmt::format("pass {}: {}", pass, wrong));
+  for (const Binding& binding : bindings) {
+    supplied.bindings.push_back(binding_of(binding));
+    if (binding.table != nullptr) supplied.address_tables.push_back(binding_of(binding));
+  }
+  std::string wrong = mismatch(stages, supplied);
+  for (const ShaderStage& stage : stages)
+    if (wrong.empty()) wrong = undeclared_address(stage, push, uses);
+  if (wrong.empty()) return;
+  if (!device_.shaders().embedded()) throw InputError("shaders", wrong, "pass " + pass);
+  throw std::logic_error(fmt::format("pass {}: {}", pass, wrong));
 }
 
-// Push constants that hold a buffer's address, and small bound buffers that do, make the buffer one that the pass uses.
-void PassRecorder::require_declared_addresses(const std::string& pass, const PushConstants& push,
-                                              const std::vector<Use>& uses) const {
-  if (!device_.checks_interfaces()) return;
-  constexpr VkDeviceSize kAddressTable = 256;  // larger buffers hold more than addresses
-  const auto require = [&](std::span<const std::byte> bytes, const std::string& holder) {
-    for (std::size_t at = 0; at + sizeof(VkDeviceAddress) <= bytes.size(); at += sizeof(VkDeviceAddress)) {
-      VkDeviceAddress address = 0;
-      std::memcpy(&address, bytes.data() + at, sizeof address);
-      const auto buffer = address == 0 ? std::nullopt : device_.buffer_at(address);
-      if (!buffer) continue;
-      const bool is_used = std::any_of(uses.begin(), uses.end(), [&](const Use& use) {
-        return use.buffer != nullptr && use.buffer->address() == buffer->address;
-      });
-      if (is_used) continue;
-      throw std::logic_error(fmt::format("pass {}: {} hold the address of buffer {}, which the pass does not declare",
-                                         pass, holder, buffer->name));
-    }
-  };
-  require(std::span(push.bytes).first(push.size), "push constants");
-  for (const Use& use : uses)
-    if (use.buffer != nullptr && use.buffer->bytes() <= kAddressTable)
-      require(use.buffer->mapped(), use.buffer->name());
+// Of the addresses that a shader declares among its push constants, the first that leads to no buffer the pass uses.
+std::string PassRecorder::undeclared_address(const ShaderStage& stage, const PushConstants& push,
+                                             const std::vector<Use>& uses) const {
+  for (const ShaderInterface::PushAddress& member : stage.interface->push_addresses) {
+    VkDeviceAddress address = 0;
+    if (member.offset + sizeof address > push.size) continue;
+    std::memcpy(&address, push.bytes.data() + member.offset, sizeof address);
+    const auto buffer = address == 0 ? std::nullopt : device_.buffer_at(address);
+    const bool is_used = buffer && std::any_of(uses.begin(), uses.end(), [&](const Use& use) {
+                           return use.buffer != nullptr && use.buffer->address() == buffer->address;
+                         });
+    if (address == 0 || is_used) continue;
+    return fmt::format("{} reads at the address {} of its push constants, and the pass does not declare {}", stage.name,
+                       member.name, buffer ? "that it uses the buffer " + buffer->name : "a buffer there");
+  }
+  return "";
 }
 
 void PassRecorder::compute(ComputePass pass) {
   SuppliedInterface supplied;
   supplied.push_bytes = pass.push.size;
   supplied.material = pass.material != VK_NULL_HANDLE;
-  require_interface(pass.name, {pass.shader}, std::move(supplied), pass.constants, pass.bindings);
   Step step;
   step.timing = timing(pass.name);
   step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
+  add_addressed(step.uses, pass, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
   for (Buffer* buffer : pass.by_address)
     step.uses.push_back({buffer,
                          nullptr,
@@ -273,7 +297,7 @@ void PassRecorder::compute(ComputePass pass) {
         {pass.indirect,
          nullptr,
          {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
-  require_declared_addresses(pass.name, pass.push, step.uses);
+  require_interface(pass.name, {pass.shader}, std::move(supplied), pass.constants, pass.bindings, pass.push, step.uses);
   const VkPipeline pipeline = device_.pipelines().compute(pass.shader, pass.constants);
   step.record = [this, pipeline, pass = std::move(pass)](VkCommandBuffer commands) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
@@ -329,11 +353,14 @@ void PassRecorder::raster(RasterPass pass) {
   supplied.material = static_cast<bool>(pass.draws);  // bound between the draws
   for (std::size_t i = 0; ordered && i < pass.colours.size(); ++i)
     supplied.bindings.push_back(kInputAttachmentBinding + static_cast<std::uint32_t>(i));
-  require_interface(pass.name, {pass.pipeline.vertex, pass.pipeline.fragment}, std::move(supplied),
-                    pass.pipeline.constants, pass.bindings);
+  pass.pipeline.targets.colours.clear();
+  for (const Attachment& colour : pass.colours)
+    pass.pipeline.targets.colours.push_back(colour.image->description().format);
+  pass.pipeline.targets.depth = pass.depth ? pass.depth->description().format : VK_FORMAT_UNDEFINED;
   Step step;
   step.timing = timing(pass.name);
   step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
+  add_addressed(step.uses, pass, VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
   for (Buffer* buffer : pass.by_address)
     step.uses.push_back({buffer,
                          nullptr,
@@ -366,7 +393,8 @@ void PassRecorder::raster(RasterPass pass) {
           VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
           VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}});
 
-  require_declared_addresses(pass.name, pass.push, step.uses);
+  require_interface(pass.name, {pass.pipeline.vertex, pass.pipeline.fragment}, std::move(supplied),
+                    pass.pipeline.constants, pass.bindings, pass.push, step.uses);
   const VkPipeline pipeline = device_.pipelines().raster(pass.pipeline);
   const VkRenderPass render_pass = device_.pipelines().render_pass(pass.pipeline.targets);
   const VkFramebuffer target = framebuffer(pass, render_pass);
@@ -395,7 +423,7 @@ void PassRecorder::raster(RasterPass pass) {
     vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.bindings, ordered ? pass.colours : std::vector<Attachment>{});
-    DrawEncoder encoder(device_, commands);
+    DrawEncoder encoder(device_, commands, pass.pipeline.targets);
     encoder.push(pass.push);
     encoder.viewport(0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height));
     const VkRect2D scissor{{0, 0}, extent};

@@ -15,18 +15,67 @@
 
 namespace subpixel::gpu {
 
+// A buffer that a pass reaches by its address.
+struct AddressedUse {
+  Buffer* buffer = nullptr;
+  bool is_written = false;
+};
+
+// Hands out the addresses that a pass passes on in its push constants; with the address, the use is declared, from
+// which its barrier follows.
+class AddressUses {
+ public:
+  std::uint64_t reads(Buffer& buffer) {
+    addressed.push_back({&buffer, false});
+    return buffer.address();
+  }
+  std::uint64_t writes(Buffer& buffer) {  // or reads and writes
+    addressed.push_back({&buffer, true});
+    return buffer.address();
+  }
+
+  std::vector<AddressedUse> addressed;
+};
+
+// A buffer of addresses, for shaders whose push constants have no room for them. A pass that binds it uses what they
+// lead to as it uses the table: `reads` or `writes`.
+class AddressTable {
+ public:
+  AddressTable(Device& device, std::string name, VkDeviceSize bytes) : buffer_(device, std::move(name), bytes) {}
+  // The address of a buffer that the table is going to hold.
+  std::uint64_t of(Buffer& target) {
+    targets_.push_back(&target);
+    return target.address();
+  }
+  // `value`: a structure of what of() returned. The device must be idle.
+  template <typename T>
+  void set(const T& value) {
+    buffer_.as<T>()[0] = value;
+  }
+  Buffer& buffer() { return buffer_; }
+  VkDeviceSize bytes() const { return buffer_.bytes(); }
+  const std::vector<Buffer*>& targets() const { return targets_; }
+
+ private:
+  Buffer buffer_;
+  std::vector<Buffer*> targets_;
+};
+
 struct Binding {
   enum class Kind { uniform, storage_read, storage_write, sampled, image_read, image_write };
   Kind kind = Kind::storage_read;
   std::uint32_t slot = 0;  // within its kind's range: storage 0..10, sampled 0..7, storage image 0..3
   Buffer* buffer = nullptr;
   Image* image = nullptr;
-  const Sampler* sampler = nullptr;  // sampled; none: the recorder's nearest, clamped sampler
+  const Sampler* sampler = nullptr;     // sampled; none: the recorder's nearest, clamped sampler
+  const AddressTable* table = nullptr;  // whose buffer it is
 };
 
 Binding uniform(Buffer& buffer);
 Binding reads(std::uint32_t slot, Buffer& buffer);
 Binding writes(std::uint32_t slot, Buffer& buffer);  // or reads and writes
+Binding reads(std::uint32_t slot, AddressTable& table);
+Binding writes(std::uint32_t slot, AddressTable& table);  // what the addresses lead to
 Binding samples(std::uint32_t slot, Image& image, const Sampler* sampler = nullptr);
 Binding image_writes(std::uint32_t slot, Image& image);
 
@@ -41,7 +90,7 @@ struct PushConstants {
   }
 };
 
-struct ComputePass {
+struct ComputePass : AddressUses {
   std::string name, shader;
   Constants constants;
   std::vector<Binding> bindings;
@@ -55,9 +104,10 @@ struct ComputePass {
 // Binds further state between the draws of one raster pass.
 class DrawEncoder {
  public:
-  DrawEncoder(Device& device, VkCommandBuffer commands) : device_(device), commands_(commands) {}
+  DrawEncoder(Device& device, VkCommandBuffer commands, const RenderPassDescription& targets)
+      : device_(device), commands_(commands), targets_(targets) {}
   void push(const PushConstants& push);
-  void pipeline(const RasterDescription& description);
+  void pipeline(RasterDescription description);  // with the targets of the pass
   void material(VkDescriptorSet set);
   void index_buffer(const Buffer& buffer);  // 32-bit
   void draw(std::uint32_t vertices, std::uint32_t instances = 1, std::uint32_t first_vertex = 0,
@@ -70,6 +120,7 @@ class DrawEncoder {
  private:
   Device& device_;
   VkCommandBuffer commands_;
+  const RenderPassDescription& targets_;
 };
 
 // One layer of an image that a raster pass draws to.
@@ -84,9 +135,10 @@ struct Attachment {
 // that are on the screen or those that own a sample. Small ones left to a compute pass of the same name count as drawn.
 enum class Triangles { none, all, visible };
 
-struct RasterPass {
+struct RasterPass : AddressUses {
   std::string name;
-  RasterDescription pipeline;  // bound before `draws` is called; its targets name the formats of the attachments below
+  RasterDescription
+      pipeline;  // bound before `draws` is called; the formats of its targets are those of the attachments below
   std::vector<Attachment> colours;
   Image* depth = nullptr;
   std::array<std::uint32_t, 2> size{};                      // pixels; of a pass without attachments
@@ -95,7 +147,7 @@ struct RasterPass {
   std::vector<Binding> bindings;
   std::vector<Buffer*> indices_and_indirect;  // buffers the draws read as indices or indirect commands
   std::vector<Buffer*> by_address;
-  PushConstants push;
+  PushConstants push;  // with `draws` that push their own: the first of them, which is held against the shaders
   Triangles triangles = Triangles::none;
   std::function<void(DrawEncoder&)> draws;  // empty: one full-screen triangle
 };
@@ -114,6 +166,7 @@ class PassRecorder {
   // Resources the technique owns; counted in allocated_bytes. References stay valid for the recorder's life.
   Buffer& buffer(std::string name, VkDeviceSize bytes);
   Image& image(const ImageDescription& description);
+  AddressTable& address_table(std::string name, VkDeviceSize bytes);
   std::uint64_t allocated_bytes() const;
 
   void compute(ComputePass pass);
@@ -148,14 +201,17 @@ class PassRecorder {
   void barrier(VkCommandBuffer commands, const std::vector<Use>& uses);
   std::size_t timing(const std::string& name);
   void require_interface(const std::string& pass, const std::vector<std::string>& shaders, SuppliedInterface supplied,
-                         const Constants& constants, const std::vector<Binding>& bindings);
-  void require_declared_addresses(const std::string& pass, const PushConstants& push,
-                                  const std::vector<Use>& uses) const;
+                         const Constants& constants, const std::vector<Binding>& bindings, const PushConstants& push,
+                         const std::vector<Use>& uses);
+  std::string undeclared_address(const ShaderStage& stage, const PushConstants& push,
+                                 const std::vector<Use>& uses) const;
+  static void add_addressed(std::vector<Use>& uses, const AddressUses& addresses, VkPipelineStageFlags2 stages);
   VkFramebuffer framebuffer(const RasterPass& pass, VkRenderPass render_pass);
 
   Device& device_;
   std::deque<Buffer> buffers_;
   std::deque<Image> images_;
+  std::deque<AddressTable> tables_;
   std::vector<Step> steps_;
   std::vector<PassTiming> timings_;
   Sampler nearest_;

@@ -13,12 +13,14 @@ namespace {
 // SPIR-V 1.6, section 3: the enumerants that the walk meets.
 enum Op : std::uint32_t {
   kName = 5,
+  kMemberName = 6,
   kTypeBool = 20,
   kTypeInt = 21,
   kTypeFloat = 22,
   kTypeVector = 23,
   kTypeMatrix = 24,
   kTypeArray = 28,
+  kTypeRuntimeArray = 29,
   kTypeStruct = 30,
   kTypePointer = 32,
   kConstant = 43,
@@ -63,9 +65,13 @@ class Module {
     for (const auto& [id, number] : all_of(kSpecId)) result.constants.push_back({number, name_of(id)});
     for (const auto& [id, binding] : all_of(kBinding)) {
       const auto set = all_of(kDescriptorSet).find(id);
-      result.slots.push_back({set == all_of(kDescriptorSet).end() ? 0 : set->second, binding, name_of(id)});
+      result.slots.push_back(
+          {set == all_of(kDescriptorSet).end() ? 0 : set->second, binding, name_of(id), holds_addresses(id)});
     }
-    for (const std::uint32_t pointer : push_pointers_) result.push_bytes = size_of(pointee_.at(pointer));
+    for (const std::uint32_t pointer : push_pointers_) {
+      result.push_bytes = size_of(pointee_.at(pointer));
+      find_addresses(pointee_.at(pointer), 0, "", result.push_addresses);
+    }
     std::ranges::sort(result.constants, {}, &ShaderInterface::Constant::id);
     std::ranges::sort(result.slots, {}, [](const ShaderInterface::Slot& s) { return std::pair(s.set, s.binding); });
     return result;
@@ -81,6 +87,9 @@ class Module {
     switch (op) {
       case kName:
         names_[operands[0]] = text_of(operands.subspan(1));
+        break;
+      case kMemberName:
+        member_names_[{operands[0], operands[1]}] = text_of(operands.subspan(2));
         break;
       case kDecorate:
         if (operands.size() >= 3) decorated_[operands[1]][operands[0]] = operands[2];
@@ -98,6 +107,7 @@ class Module {
       case kTypeVector:
       case kTypeMatrix:
       case kTypeArray:
+      case kTypeRuntimeArray:
       case kTypeStruct:
         types_[operands[0]] = {op, {operands.begin() + 1, operands.end()}};
         break;
@@ -161,7 +171,32 @@ class Module {
     }
   }
 
+  // Pointers in a block are addresses. Arrays of them are not looked into: there are none.
+  void find_addresses(std::uint32_t id, std::uint32_t begin, const std::string& name,
+                      std::vector<ShaderInterface::PushAddress>& found) const {
+    const auto type = types_.find(id);
+    if (type == types_.end()) return;
+    if (type->second.op == kTypePointer) found.push_back({begin, name});
+    if (type->second.op != kTypeStruct) return;
+    for (std::uint32_t member = 0; member < type->second.operands.size(); ++member) {
+      const auto offset = member_decorated_.find({id, member, kOffset});
+      const auto called = member_names_.find({id, member});
+      find_addresses(type->second.operands[member], begin + (offset == member_decorated_.end() ? 0 : offset->second),
+                     called == member_names_.end() ? "" : called->second, found);
+    }
+  }
+
+  bool holds_addresses(std::uint32_t variable) const {
+    const auto type = type_of_variable_.find(variable);
+    const auto block = type == type_of_variable_.end() ? pointee_.end() : pointee_.find(type->second);
+    if (block == pointee_.end()) return false;
+    std::vector<ShaderInterface::PushAddress> found;
+    find_addresses(block->second, 0, "", found);
+    return !found.empty();
+  }
+
   std::map<std::uint32_t, std::string> names_;
+  std::map<std::array<std::uint32_t, 2>, std::string> member_names_;
   std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> decorated_;  // by decoration, then by id
   std::map<std::array<std::uint32_t, 3>, std::uint32_t> member_decorated_;     // type, member, decoration
   std::map<std::uint32_t, Type> types_;
@@ -192,6 +227,10 @@ std::string mismatch(std::span<const ShaderStage> stages, const SuppliedInterfac
       if (slot.set == 0 ? !has(supplied.bindings, slot.binding) : !supplied.material) {
         return fmt::format("{} declares {} at binding {} of set {}, which the pass leaves empty", stage.name, slot.name,
                            slot.binding, slot.set);
+      }
+      if (slot.holds_addresses && !has(supplied.address_tables, slot.binding)) {
+        return fmt::format("{} reads at addresses that {} at binding {} holds, whose uses the pass does not declare",
+                           stage.name, slot.name, slot.binding);
       }
     }
     // A host struct may end in padding of less than its largest member.

@@ -20,10 +20,16 @@ struct ShaderInterface {
   struct Slot {
     std::uint32_t set = 0, binding = 0;
     std::string name;
+    bool holds_addresses = false;  // of other buffers
+  };
+  struct PushAddress {
+    std::uint32_t offset = 0;
+    std::string name;
   };
   std::vector<Constant> constants;  // by id
   std::vector<Slot> slots;          // by set and binding
   std::uint32_t push_bytes = 0;     // to the end of the last member; 0: no push constants
+  std::vector<PushAddress> push_addresses;
 };
 
 // Walks the module's declarations (SPIR-V 1.6, sections 2.3 and 3.42). What is declared counts, whether or not it is
@@ -42,6 +48,7 @@ struct SuppliedInterface {
   std::vector<std::uint32_t> constants;         // ids
   std::vector<std::uint32_t> known_constants;   // ids that shaders of the same folders declare
   std::vector<std::uint32_t> bindings;          // of set 0
+  std::vector<std::uint32_t> address_tables;    // those of them whose addresses' uses are declared
   std::optional<std::uint32_t> push_bytes = 0;  // nothing: pushed between the draws
   bool material = false;                        // set 1
 };
