@@ -7,7 +7,7 @@
 #include <charconv>
 
 #include "replay/limits.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 #include "server/embedded_files.hpp"
 #include "server/http_error.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "capture_format/error.hpp"
 #include "replay/measure/json_fields.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 
 namespace subpixel::server {
 namespace {
