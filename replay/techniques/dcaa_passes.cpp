@@ -155,7 +155,7 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   listed.constants = common_constants(setup);
   append(listed.constants, constants_of(form));
   listed.bindings = {gpu::reads(1, *r.table), gpu::reads(2, *r.view), gpu::reads(3, surfaces_address)};
-  listed.by_address = {&surfaces};
+  listed.writes(surfaces);
   const bool exact = (form.options & DCAA_TABLE) == 0;
   if (exact || setup.scene.features().has(FEATURE_ALPHA_TEST)) {
     listed.name = exact ? "masks" : "alpha";
@@ -165,12 +165,12 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
     listed.alpha_only = false;
   }
 
+  gpu::ComputePass pass;
   struct {
-    ListAddresses lists;
+    gpu_types::ListAddresses lists;
     std::uint64_t records, kept;
     std::uint32_t width, height;
-  } const keep_push{lists.by_address(), setup.frontend.records().address(), kept.address(), setup.width, setup.height};
-  gpu::ComputePass pass;
+  } const keep_push{lists.writes(pass), setup.frontend.records().address(), kept.address(), setup.width, setup.height};
   pass.name = (form.options & DCAA_PREPASS) != 0 ? "z-prepass" : "sort";
   pass.shader = "techniques/dcaa/keep.comp";
   pass.constants = setup.frontend.constants();
@@ -186,10 +186,10 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   record_listed_fragments(recorder, setup, lists, listed);
 
   struct {
-    ListAddresses lists;
+    gpu_types::ListAddresses lists;
     std::uint64_t surfaces, kept, state;
     std::uint32_t width, height;
-  } const push{lists.by_address(), surfaces.address(), kept.address(), r.words->address(), setup.width, setup.height};
+  } const push{lists.writes(pass), surfaces.address(), kept.address(), r.words->address(), setup.width, setup.height};
   pass.name = "merge";
   pass.shader = "techniques/dcaa/merge_lists.comp";
   pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(2, *r.view)};

@@ -133,13 +133,13 @@ void record_list_compression(gpu::PassRecorder& recorder, const StreamingSetup& 
     listed.alpha_only = false;
   }
 
+  gpu::ComputePass pass;
   struct {
-    ListAddresses lists;
+    gpu_types::ListAddresses lists;
     std::uint64_t records_or_surfaces, state, passed;
     std::uint32_t width, height;
-  } push{lists.by_address(), setup.frontend.records().address(), state.words->address(), passed.address(), setup.width,
+  } push{lists.writes(pass), setup.frontend.records().address(), state.words->address(), passed.address(), setup.width,
          setup.height};
-  gpu::ComputePass pass;
   pass.name = "depth test";
   pass.shader = "techniques/streaming/depth_test.comp";
   pass.constants = setup.frontend.constants();
@@ -154,7 +154,7 @@ void record_list_compression(gpu::PassRecorder& recorder, const StreamingSetup& 
   listed.name = "attributes";
   listed.shader = "techniques/streaming/attributes.comp";
   listed.bindings = {gpu::reads(1, surfaces_address)};
-  listed.by_address = {&surfaces};
+  listed.writes(surfaces);
   record_listed_fragments(recorder, setup, lists, listed);
 
   push.records_or_surfaces = surfaces.address();
