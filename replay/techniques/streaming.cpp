@@ -8,7 +8,6 @@
 #include <bit>
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "replay/frontend/fragment_lists.hpp"
 #include "replay/techniques/deferred.hpp"
@@ -23,40 +22,34 @@ constexpr VkImageUsageFlags kTarget =
 // Vulkan requires at least 4 colour attachments; devices that run us have 8.
 constexpr std::uint32_t kMostAttachments = 8, kFewestAttachments = 3;
 
-std::uint32_t surfaces(const FrameSetup& setup) {
-  return static_cast<std::uint32_t>(setup.number("surfaces"));
-}
-
 // As in shaders/techniques/streaming/state.glsl.
-std::uint32_t state_quads(const FrameSetup& setup) {
+std::uint32_t state_quads(const StreamingSetup& setup) {
   const SceneFeatures features = setup.scene.features();
   const std::uint32_t surface_words = 5 + (setup.samples == 32 ? 1 : 0) +
                                       (setup.samples > 8 && features.has(FEATURE_VARYING_ROUGHNESS) ? 1 : 0) +
                                       (features.has(FEATURE_EMISSIVE) ? 1 : 0);
-  return (setup.samples + 1 + surfaces(setup) * surface_words + 3) / 4;
+  return (setup.samples + 1 + setup.parameters.surfaces * surface_words + 3) / 4;
 }
 
-gpu::Constants streaming_constants(const FrameSetup& setup) {
+gpu::Constants streaming_constants(const StreamingSetup& setup) {
+  const StreamingParameters& p = setup.parameters;
   std::uint32_t options = 0;
-  const auto add = [&](std::string_view parameter, std::uint32_t option) {
-    if (setup.parameters.at(std::string(parameter)).get<bool>()) options |= option;
-  };
-  add("merge_normals", STREAM_MERGE_NORMALS);
-  add("merge_depth", STREAM_MERGE_DEPTH);
-  add("merge_coverage", STREAM_MERGE_COVERAGE);
-  if (setup.choice("merge_weight") == "coverage") options |= STREAM_WEIGHT_COVERAGE;
-  if (setup.choice("occlusion") == "depth_test") options |= STREAM_DEPTH_TESTED;
-  if (setup.choice("depth_space") == "clip") options |= STREAM_CLIP_SPACE;
-  const auto cosine = static_cast<float>(std::cos(setup.number("normal_angle")));
-  return {{10, surfaces(setup)}, {11, std::bit_cast<std::uint32_t>(cosine)}, {12, options}};
+  if (p.merge_normals) options |= STREAM_MERGE_NORMALS;
+  if (p.merge_depth) options |= STREAM_MERGE_DEPTH;
+  if (p.merge_coverage) options |= STREAM_MERGE_COVERAGE;
+  if (p.merge_weight == StreamingWeight::coverage) options |= STREAM_WEIGHT_COVERAGE;
+  if (p.occlusion == StreamingOcclusion::depth_test) options |= STREAM_DEPTH_TESTED;
+  if (p.depth_space == StreamingDepth::clip) options |= STREAM_CLIP_SPACE;
+  const auto cosine = static_cast<float>(std::cos(p.normal_angle));
+  return {{10, p.surfaces}, {11, std::bit_cast<std::uint32_t>(cosine)}, {12, options}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
   constants.insert(constants.end(), more.begin(), more.end());
 }
 
-MemoryLayout layout(const FrameSetup& setup) {
-  const double n = setup.samples, s = surfaces(setup);
+MemoryLayout layout(const StreamingSetup& setup) {
+  const double n = setup.samples, s = setup.parameters.surfaces;
   // Depth 32, derivatives 2 x 16, two masks, albedo 32, normal 32; up to 16 samples the masks fit the paper's 20 bytes.
   const double masks = std::max(2 * n, 32.0);
   const double exact = 32 + 32 + 2 * n + fitted_surface_bits(setup.scene.features());
@@ -82,7 +75,7 @@ struct State {
   }
 };
 
-State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup, bool in_buffer) {
+State make_state(gpu::PassRecorder& recorder, const StreamingSetup& setup, bool in_buffer) {
   const std::uint32_t quads = state_quads(setup);
   State state;
   if (quads <= kMostAttachments && !in_buffer) {
@@ -96,7 +89,7 @@ State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup, bool in_b
   return state;
 }
 
-void record_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, const State& state) {
+void record_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup, const State& state) {
   Frontend::GeometryPass geometry;
   geometry.by_material = true;
   gpu::RasterPass& pass = geometry.pass;
@@ -122,7 +115,7 @@ void record_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, co
 }
 
 // The same state by passes over fragment lists.
-void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+void record_list_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup, const FragmentLists& lists,
                              const State& state) {
   gpu::Buffer& passed = recorder.buffer("passed fragments", std::uint64_t{setup.width} * setup.height * 4);
   gpu::Buffer& surfaces = recorder.buffer("fragment surfaces", lists.count * 24);
@@ -172,7 +165,7 @@ void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setu
   recorder.compute(pass);
 }
 
-void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const State& state) {
+void record_shading(gpu::PassRecorder& recorder, const StreamingSetup& setup, const State& state) {
   const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
                                      kTarget,  false};
   setup.outputs.radiance = &recorder.image(output);
@@ -187,7 +180,7 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
 
 // The maps are read off the state in a host step, so that they cost the technique no time, and once, since every run
 // leaves the same state.
-void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const State& state) {
+void record_maps(gpu::PassRecorder& recorder, const StreamingSetup& setup, const State& state) {
   std::vector<gpu::Image*> maps;
   for (const char* name : {"merges", "discards", "surfaces", "order_errors"}) {
     maps.push_back(&recorder.image(
@@ -215,7 +208,7 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Sta
 
 }  // namespace
 
-StreamingState record_streaming(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+StreamingState record_streaming(gpu::PassRecorder& recorder, const StreamingSetup& setup) {
   setup.frontend.record_setup(recorder);
   const auto lists = record_fragment_lists(recorder, setup, "collect", ListedMasks::collected);
   const State state = make_state(recorder, setup, lists.has_value());
@@ -230,32 +223,41 @@ StreamingState record_streaming(gpu::PassRecorder& recorder, const FrameSetup& s
 
 extern const Technique kStreaming;
 
-const Technique kStreaming{
-    "streaming",
-    "Streaming G-buffer compression",
-    "Kerzner, Salvi: Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing. High-Performance Graphics 2014",
-    {integer_parameter("surfaces", "surfaces kept for a pixel", 1, STREAM_MAX_SURFACES, 3),
-     samples_parameter({4, 8, 16, 32}, 8),
-     number_parameter("normal_angle", "largest angle between the normals of fragments that merge", "radians", 0,
-                      std::numbers::pi, std::numbers::pi / 4),
-     condition_parameter("merge_normals", "fragments merge only when their normals align"),
-     condition_parameter("merge_depth", "fragments merge only when their depth intervals overlap"),
-     condition_parameter("merge_coverage", "fragments merge only when they share no sample"),
-     choice_parameter("merge_weight", "a merge weights both sides equally, or by the samples they cover",
-                      {"equal", "coverage"}),
-     choice_parameter(
-         "occlusion",
-         "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the depth test of "
-         "the sample",
-         {"intervals", "depth_test"}),
-     choice_parameter("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
-                      {"view", "clip"}),
-     order_parameter(), alpha_parameter(), resolve_parameter(), shading_parameter()},
-    {{"merges", "Fragments merged", "fragments", 16},
-     {"discards", "Samples discarded while visible", "samples", 8},
-     {"surfaces", "Surfaces stored", "surfaces", 4},
-     {"order_errors", "Surfaces out of order", "surfaces", 4}},
-    layout,
-    [](gpu::PassRecorder& recorder, const FrameSetup& setup) { record_streaming(recorder, setup); }};
+const Technique kStreaming = TechniqueOf<StreamingParameters>{
+    .name = "streaming",
+    .title = "Streaming G-buffer compression",
+    .paper =
+        "Kerzner, Salvi: Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing. High-Performance Graphics "
+        "2014",
+    .fields = {field::integer("surfaces", &StreamingParameters::surfaces, {1, STREAM_MAX_SURFACES},
+                              "surfaces kept for a pixel"),
+               field::samples({4, 8, 16, 32}),
+               field::angle("normal_angle", &StreamingParameters::normal_angle,
+                            "largest angle between the normals of fragments that merge"),
+               field::condition("merge_normals", &StreamingParameters::merge_normals,
+                                "fragments merge only when their normals align"),
+               field::condition("merge_depth", &StreamingParameters::merge_depth,
+                                "fragments merge only when their depth intervals overlap"),
+               field::condition("merge_coverage", &StreamingParameters::merge_coverage,
+                                "fragments merge only when they share no sample"),
+               field::choice("merge_weight", &StreamingParameters::merge_weight,
+                             "a merge weights both sides equally, or by the samples they cover",
+                             {{"equal", StreamingWeight::equal}, {"coverage", StreamingWeight::coverage}}),
+               field::choice(
+                   "occlusion", &StreamingParameters::occlusion,
+                   "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the "
+                   "depth test of the sample",
+                   {{"intervals", StreamingOcclusion::intervals}, {"depth_test", StreamingOcclusion::depth_test}}),
+               field::choice("depth_space", &StreamingParameters::depth_space,
+                             "surfaces keep depth and derivatives along the view, or of the depth buffer",
+                             {{"view", StreamingDepth::view}, {"clip", StreamingDepth::clip}}),
+               field::order(), field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"merges", "Fragments merged", "fragments", 16},
+             {"discards", "Samples discarded while visible", "samples", 8},
+             {"surfaces", "Surfaces stored", "surfaces", 4},
+             {"order_errors", "Surfaces out of order", "surfaces", 4}},
+    .layout = layout,
+    .record = [](gpu::PassRecorder& recorder, const StreamingSetup& setup) { record_streaming(recorder, setup); },
+};
 
 }  // namespace subpixel::replay
