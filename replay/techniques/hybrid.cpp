@@ -12,7 +12,7 @@
 #include "replay/frontend/fragment_lists.hpp"
 #include "replay/techniques/dcaa_passes.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/techniques/dcaa/dcaa_types.h"
+#include "shaders/techniques/dcaa/dcaa_interface.h"
 
 namespace subpixel::replay {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "capture_format/generate/generate.hpp"
 #include "replay/techniques/dcaa_passes.hpp"
-#include "shaders/techniques/dcaa/dcaa_types.h"
+#include "shaders/techniques/dcaa/dcaa_interface.h"
 #include "tests/technique/frontend_fixture.hpp"
 #include "tests/technique/technique_run.hpp"
 

@@ -48,8 +48,8 @@ PixelStreams streams_of(const FrameSetup& setup, const WordLayout& layout) {
   pass.name = "stream";
   pass.shader = "tests/streaming_fragments.comp";
   pass.constants = common_constants(setup);
-  pass.constants.emplace_back(12, setup.choice("depth_space") == "clip" ? STREAM_CLIP_SPACE : 0u);
-  pass.bindings = {gpu::writes(1, stream)};
+  pass.constants.emplace_back(STREAM_CONSTANT_OPTIONS, setup.choice("depth_space") == "clip" ? STREAM_CLIP_SPACE : 0u);
+  pass.bindings = {gpu::writes(STREAM_TEST_SLOT_OF_FRAME, stream)};
   record_listed_fragments(recorder, setup, *lists, pass);
   recorder.run();
 

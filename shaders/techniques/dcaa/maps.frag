@@ -4,14 +4,15 @@
 #extension GL_EXT_scalar_block_layout : require
 // variants: IMAGE=-DIMAGE BUFFER=
 // What the merge pass did to each pixel.
-// Reads: the pixel's state, what examine.frag found (sampled slot 1). Writes: surfaces stored, first merges, second merges,
+// Reads: the pixel's state, what examine.frag found. Writes: surfaces stored, first merges, second merges,
 // surfaces discarded, leaks (samples that show the sky though something covers them), wrong decisions of the table.
-layout(constant_id = 0) const uint SAMPLES = 64u;
+#include "techniques/dcaa/dcaa_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "techniques/dcaa/surface.glsl"
 #include "techniques/dcaa/state.glsl"
 #include "techniques/dcaa/state_read.glsl"
 
-layout(set = 0, binding = 13) uniform usampler2D found_image;
+layout(set = 0, binding = SAMPLED(DCAA_SLOT_FOUND)) uniform usampler2D found_image;
 layout(location = 0) out uint out_surfaces;
 layout(location = 1) out uint out_first_merges;
 layout(location = 2) out uint out_second_merges;

@@ -1,14 +1,14 @@
 // A pixel's state, read back after the merge pass.
-// Reads: with IMAGE the array of attachments (sampled slot 0), else the buffer whose address storage slot 0 holds.
+// Reads: with IMAGE the array of attachments, else the buffer whose address ORDERED_SLOT_ADDRESS holds.
 #ifndef SUBPIXEL_DCAA_STATE_READ_GLSL
 #define SUBPIXEL_DCAA_STATE_READ_GLSL
 
 #ifdef IMAGE
-layout(set = 0, binding = 12) uniform usampler2DArray state_image;
+layout(set = 0, binding = SAMPLED(ORDERED_SLOT_ATTACHMENTS)) uniform usampler2DArray state_image;
 uvec4 state_quad(ivec2 pixel, uint i) { return texelFetch(state_image, ivec3(pixel, i), 0); }
 #else
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer StateQuads { uvec4 quads[]; };
-layout(set = 0, binding = 1, scalar) readonly buffer StateAddress { StateQuads state; };
+layout(set = 0, binding = STORAGE(ORDERED_SLOT_ADDRESS), scalar) readonly buffer StateAddress { StateQuads state; };
 uvec4 state_quad(ivec2 pixel, uint i) {
   return state.quads[(uint(pixel.y) * uint(frame.viewport.x) + uint(pixel.x)) * STATE_QUADS + i];
 }

@@ -5,18 +5,18 @@
 #define SUBPIXEL_DCAA_SURFACE_GLSL
 
 #include "include/packing.glsl"
-#include "techniques/dcaa/dcaa_types.h"
+#include "techniques/dcaa/dcaa_interface.h"
 
-layout(constant_id = 10) const uint SURFACES = 4u;
-layout(constant_id = 11) const float COS_NORMAL_ANGLE = 0.98078528;
-layout(constant_id = 12) const uint DCAA_OPTIONS = DCAA_SECOND_MERGE | DCAA_KEEP_FRONT | DCAA_TABLE | DCAA_PREPASS;
-layout(constant_id = 13) const uint NORMAL_FORMAT = DCAA_NORMAL_2X16;
-layout(constant_id = 14) const uint DEPTH_BITS = 24u;
+layout(constant_id = DCAA_CONSTANT_SURFACES) const uint SURFACES = 4u;
+layout(constant_id = DCAA_CONSTANT_COS_NORMAL_ANGLE) const float COS_NORMAL_ANGLE = 0.98078528;
+layout(constant_id = DCAA_CONSTANT_OPTIONS) const uint DCAA_OPTIONS = DCAA_SECOND_MERGE | DCAA_KEEP_FRONT | DCAA_TABLE | DCAA_PREPASS;
+layout(constant_id = DCAA_CONSTANT_NORMAL_FORMAT) const uint NORMAL_FORMAT = DCAA_NORMAL_2X16;
+layout(constant_id = DCAA_CONSTANT_DEPTH_BITS) const uint DEPTH_BITS = 24u;
 
 // How far from the pixel's centre a surface's depth interval reaches, in pixels.
-layout(constant_id = 17) const float DEPTH_REACH = 0.5;
+layout(constant_id = DCAA_CONSTANT_DEPTH_REACH) const float DEPTH_REACH = 0.5;
 // 1 / k of equation 1 (Crassin et al. 2016), for DCAA_NEAREST.
-layout(constant_id = 18) const float INVERSE_LENGTH = 10.0;
+layout(constant_id = DCAA_CONSTANT_INVERSE_LENGTH) const float INVERSE_LENGTH = 10.0;
 
 // M(k) for each surface. Loops over surfaces have to be unrolled, or their arrays lie in memory; drivers don't unroll loops
 // that hold others, or large ones.

@@ -11,11 +11,11 @@
 
 #include "include/coverage.glsl"
 #include "include/packing.glsl"
-#include "techniques/streaming/streaming_types.h"
+#include "techniques/streaming/streaming_interface.h"
 
-layout(constant_id = 10) const uint SURFACES = 3u;
-layout(constant_id = 11) const float COS_NORMAL_ANGLE = 0.70710678;
-layout(constant_id = 12) const uint STREAM_OPTIONS = STREAM_MERGE_NORMALS | STREAM_MERGE_DEPTH | STREAM_MERGE_COVERAGE;
+layout(constant_id = STREAM_CONSTANT_SURFACES) const uint SURFACES = 3u;
+layout(constant_id = STREAM_CONSTANT_COS_NORMAL_ANGLE) const float COS_NORMAL_ANGLE = 0.70710678;
+layout(constant_id = STREAM_CONSTANT_OPTIONS) const uint STREAM_OPTIONS = STREAM_MERGE_NORMALS | STREAM_MERGE_DEPTH | STREAM_MERGE_COVERAGE;
 
 bool stream_option(uint option) { return (STREAM_OPTIONS & option) != 0u; }
 

@@ -6,7 +6,8 @@
 // What the compression pass did to each pixel.
 // Reads: the pixel's state. Writes: merges, samples discarded while visible, surfaces stored, neighbours in the front-to-back
 // order that stand the wrong way round.
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "techniques/streaming/streaming_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/streaming/compress.glsl"
 #include "techniques/streaming/state.glsl"
 #include "techniques/streaming/state_read.glsl"

@@ -6,7 +6,8 @@
 // Resolve (Kerzner and Salvi 2014, section 3.3): visibility of each sample from the surfaces' planes, one lighting execution
 // for each surface that any sample shows, their mean by samples.
 // Reads: the pixel's state, shadow map. Writes: linear radiance with the lighting executions in a; display values.
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "techniques/streaming/streaming_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "include/lights.glsl"
 #include "include/resolve.glsl"
 #include "techniques/streaming/compress.glsl"
