@@ -87,10 +87,11 @@ void set_quad(uint i, uvec4 value) {
 
 #else
 #ifdef INTERLOCK
-layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer StateQuads { uvec4 quads[]; };
+#define STATE_ACCESS coherent
 #else
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer StateQuads { uvec4 quads[]; };
+#define STATE_ACCESS
 #endif
+layout(buffer_reference, scalar, buffer_reference_align = 16) STATE_ACCESS buffer StateQuads { uvec4 quads[]; };
 layout(set = 0, binding = STORAGE(ORDERED_SLOT_ADDRESS), scalar) readonly buffer StateAddress { StateQuads state; };
 
 uint first_quad;

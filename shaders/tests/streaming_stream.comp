@@ -47,7 +47,5 @@ void main() {
   StreamList list;
   stream_pack(word, surface, list);
   for (uint i = 0u; i < DEPTH_QUADS; ++i) quads[pixel * STATE_QUADS + i] = depths[i];
-  for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i)
-    quads[pixel * STATE_QUADS + DEPTH_QUADS + i] =
-        uvec4(list.word[4u * i], list.word[4u * i + 1u], list.word[4u * i + 2u], list.word[4u * i + 3u]);
+  for (uint i = 0u; i < LIST_QUADS; ++i) quads[pixel * STATE_QUADS + DEPTH_QUADS + i] = QUAD_OF(list.word, i);
 }

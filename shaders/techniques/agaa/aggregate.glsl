@@ -14,6 +14,7 @@
 
 #include "include/brdf.glsl"
 #include "include/frame.glsl"
+#include "include/rounding.glsl"
 #include "techniques/agaa/agaa_interface.h"
 
 layout(constant_id = AGAA_CONSTANT_OPTIONS) const uint AGAA_OPTIONS = 0u;
@@ -66,7 +67,7 @@ float emission_scale() { return fixed_scale(22u); }
 // thresholds, `dither`, so that rounding adds up to about nothing instead of to a bias.
 uint fixed_field(float value, uint bits, float weight, float dither) {
   float x = clamp(value, 0.0, 1.0) * weight * fixed_scale(bits);
-  return floatBitsToUint(max(x + (dither - 0.5), 0.0) + 8388608.0) & 0x7fffffu;
+  return round_to_even(max(x + (dither - 0.5), 0.0)) & 0x3fffffu;
 }
 
 // Different for every first sample, even over the pixel; in (0, 1).

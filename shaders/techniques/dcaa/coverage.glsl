@@ -20,9 +20,9 @@ uvec2 half_plane(float base, float a, float b) {
   float size = abs(a) + abs(b);
   float t = b / size, centre = (base + 0.5) / size;
   float turn = a >= 0.0 ? t + 1.0 : 3.0 - t;
-  uint direction = dcaa_round(turn * float(TABLE_DIRECTIONS / 4u)) & (TABLE_DIRECTIONS - 1u);
+  uint direction = round_to_even(turn * float(TABLE_DIRECTIONS / 4u)) & (TABLE_DIRECTIONS - 1u);
   float along = (centre + 64.0) * (float(TABLE_DISTANCES) / 128.0) + 0.5;
-  uint distance = dcaa_round(clamp(along, 0.0, float(TABLE_DISTANCES + 1u))) & 0xffffu;
+  uint distance = round_to_even(clamp(along, 0.0, float(TABLE_DISTANCES + 1u))) & 0xffffu;
   return half_planes[direction * (TABLE_DISTANCES + 2u) + distance];
 }
 

@@ -23,16 +23,16 @@ layout(location = 5) out uint out_wrong;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uint word = read_count_word(pixel);
-  uint count = word & ((1u << DCAA_COUNT_BITS) - 1u);
+  uint count = field_of(word, 0u, DCAA_COUNT_BITS);
   DcaaSurface surface[DCAA_MAX_SURFACES];
   read_surfaces(pixel, surface);
   uvec2 covered = uvec2(0u);
   for (uint i = 0u; i < SURFACES; ++i) covered |= i < count ? surface[i].coverage : uvec2(0u);
   uvec4 found = texelFetch(found_image, pixel, 0);
   out_surfaces = count;
-  out_first_merges = (word >> DCAA_FIRST_SHIFT) & ((1u << DCAA_FIRST_BITS) - 1u);
-  out_second_merges = (word >> DCAA_SECOND_SHIFT) & ((1u << DCAA_SECOND_BITS) - 1u);
-  out_discards = (word >> DCAA_DISCARD_SHIFT) & ((1u << DCAA_DISCARD_BITS) - 1u);
+  out_first_merges = field_of(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS);
+  out_second_merges = field_of(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS);
+  out_discards = field_of(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS);
   out_leaks = dcaa_count(found.xy & ~covered);
   out_wrong = found.w;
 }

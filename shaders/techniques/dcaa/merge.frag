@@ -39,10 +39,7 @@ void main() {
       for (bool go = mask != uvec2(0u); go; go = false) {
         find_state(pixel);
         DcaaState state;
-        for (uint i = 0u; i < STATE_QUADS; ++i) {
-          uvec4 words = quad(i);
-          for (uint c = 0u; c < 4u; ++c) state.word[4u * i + c] = words[c];
-        }
+        for (uint i = 0u; i < STATE_QUADS; ++i) SET_QUAD_OF(state.word, i, quad(i))
         DcaaSurface surface[DCAA_MAX_SURFACES];
         for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_unpack(state, i);
 
@@ -53,8 +50,7 @@ void main() {
         dcaa_add(state.word[0], surface, fragment, ray, camera);
 
         for (uint i = 0u; i < SURFACES; ++i) dcaa_pack(surface[i], i, state);
-        for (uint i = 0u; i < STATE_QUADS; ++i)
-          set_quad(i, uvec4(state.word[4u * i], state.word[4u * i + 1u], state.word[4u * i + 2u], state.word[4u * i + 3u]));
+        for (uint i = 0u; i < STATE_QUADS; ++i) set_quad(i, QUAD_OF(state.word, i));
         stored = true;
       }
     }

@@ -44,7 +44,5 @@ void main() {
   }
   state.word[0] = word;
   for (uint i = 0u; i < SURFACES; ++i) dcaa_pack(surface[i], i, state);
-  for (uint i = 0u; i < STATE_QUADS; ++i)
-    push.state.quads[p * STATE_QUADS + i] =
-        uvec4(state.word[4u * i], state.word[4u * i + 1u], state.word[4u * i + 2u], state.word[4u * i + 3u]);
+  for (uint i = 0u; i < STATE_QUADS; ++i) push.state.quads[p * STATE_QUADS + i] = QUAD_OF(state.word, i);
 }

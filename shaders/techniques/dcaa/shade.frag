@@ -78,7 +78,7 @@ vec3 radiance_of(DcaaSurface s, vec2 slope, uvec2 samples) {
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
-  uint count = read_count_word(pixel) & ((1u << DCAA_COUNT_BITS) - 1u);
+  uint count = field_of(read_count_word(pixel), 0u, DCAA_COUNT_BITS);
   vec3 sum = vec3(0.0);
   uint covered = 0u, executions = 0u;
   // Loops, here and below, so that groups of pixels skip what none of them needs.

@@ -42,7 +42,5 @@ void main() {
     stream_add(word, surface, fragment);
   }
   stream_pack(word, surface, list);
-  for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i)
-    push.state.quads[p * STATE_QUADS + DEPTH_QUADS + i] =
-        uvec4(list.word[4u * i], list.word[4u * i + 1u], list.word[4u * i + 2u], list.word[4u * i + 3u]);
+  for (uint i = 0u; i < LIST_QUADS; ++i) push.state.quads[p * STATE_QUADS + DEPTH_QUADS + i] = QUAD_OF(list.word, i);
 }

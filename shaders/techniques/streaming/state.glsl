@@ -12,9 +12,9 @@ const uint EMISSION_WORDS = BIT_OF(FEATURES, FEATURE_EMISSIVE);
 const uint RESOLVED_WORDS = SAMPLES / 32u;
 const uint SURFACE_WORDS = STREAM_SURFACE_WORDS(SAMPLES, FEATURES);
 const uint STATE_QUADS = STREAM_STATE_QUADS(SAMPLES, FEATURES, SURFACES);
-#define MAX_STATE_QUADS 17u  // 32 samples and 4 surfaces of 8 words
+const uint LIST_QUADS = STATE_QUADS - DEPTH_QUADS;
 
-#define MAX_LIST_WORDS 36
+#define MAX_LIST_WORDS 36  // 4 surfaces of 8 words
 struct StreamList {
   uint word[MAX_LIST_WORDS];  // the count word, then the surfaces
 };
