@@ -49,7 +49,7 @@ Cost measure(gpu::PassRecorder& recorder, int repeats) {
 }
 
 // Draws the scene with lavapipe's rasteriser into a 4x depth image, from the same buffers.
-void record_driver_depth(gpu::PassRecorder& recorder, GpuScene& scene, gpu::Buffer& clip_matrices, std::uint32_t width,
+void record_driver_depth(gpu::PassRecorder& recorder, GpuScene& scene, Frontend& frontend, std::uint32_t width,
                          std::uint32_t height, VkSampleCountFlagBits samples) {
   gpu::Image& depth = recorder.image({"depth", VK_FORMAT_D32_SFLOAT, width, height, 1, 1, samples,
                                       VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, false});
@@ -64,10 +64,7 @@ void record_driver_depth(gpu::PassRecorder& recorder, GpuScene& scene, gpu::Buff
   pass.depth = &depth;
   pass.bindings = {gpu::uniform(scene.frame_constants)};
   pass.indices_and_indirect = {&scene.indices};
-  HullPush push{};
-  push.positions = scene.positions.address();
-  push.clip_matrices = clip_matrices.address();
-  pass.push = gpu::PushConstants(push);
+  pass.push = gpu::PushConstants(frontend.hull_push(pass, 0));
   pass.draws = [&scene](gpu::DrawEncoder& encoder) {
     encoder.index_buffer(scene.indices);
     for (const DrawItem& draw : scene.draws())
@@ -93,8 +90,8 @@ int run(int argc, char** argv) {
   gpu::PassRecorder ours(device), driver(device), driver1(device);
   frontend.record_setup(ours);
   record_visibility(ours, setup);
-  record_driver_depth(driver, scene, frontend.clip_matrices(), 1280, 720, VK_SAMPLE_COUNT_4_BIT);
-  record_driver_depth(driver1, scene, frontend.clip_matrices(), 1280, 720, VK_SAMPLE_COUNT_1_BIT);
+  record_driver_depth(driver, scene, frontend, 1280, 720, VK_SAMPLE_COUNT_4_BIT);
+  record_driver_depth(driver1, scene, frontend, 1280, 720, VK_SAMPLE_COUNT_1_BIT);
   const int repeats = argc > 2 ? std::atoi(argv[2]) : 9;
   const Cost a = measure(ours, repeats), b = measure(driver, repeats), c = measure(driver1, repeats);
   // Compaction is not part of what the driver's pass does: it serves the passes that come after.

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "replay/frontend/list_passes.hpp"
-#include "shaders/frontend/frontend_types.h"
 
 namespace subpixel::replay {
 namespace {
@@ -12,7 +11,8 @@ constexpr std::uint32_t kMostGroups = 65535;  // in each dimension, Vulkan's req
 
 // Where the counting passes write; sums are scanned over chunks of triangles and groups of pixels.
 struct Counted {
-  gpu::Buffer *ends, *bases, *chunk_sums, *pixel_sums, *addresses;
+  gpu::Buffer *ends, *bases, *chunk_sums, *pixel_sums;
+  gpu::AddressTable* addresses;
 };
 
 Counted make_counted(gpu::PassRecorder& recorder, const FrameSetup& setup) {
@@ -22,7 +22,7 @@ Counted make_counted(gpu::PassRecorder& recorder, const FrameSetup& setup) {
           &recorder.buffer("fragment bases", setup.frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 4),
           &recorder.buffer("fragment sums", (std::uint64_t{frontend.chunk_count()} + 1) * 16),
           &recorder.buffer("pixel list sums", (groups_of(pixels) + 1) * 16),
-          &recorder.buffer("list addresses", sizeof(ListAddresses))};
+          &recorder.address_table("list addresses", sizeof(gpu_types::ListAddresses))};
 }
 
 // Both kinds of triangles, counted or stored.
@@ -31,29 +31,19 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   Frontend& frontend = setup.frontend;
   const std::uint32_t groups = groups_of(frontend.small_count(true));
   const std::uint32_t runs = device_runs();
-  struct {
-    ListAddresses lists;
-    std::uint64_t records;
-    std::uint32_t count, groups, runs, width, height;
-  } const push{lists.by_address(),
-               frontend.records().address(),
-               static_cast<std::uint32_t>(frontend.small_count(true)),
-               groups,
-               runs,
-               setup.width,
-               setup.height};
-  std::vector<gpu::Buffer*> written;
-  for (gpu::Buffer* buffer : lists.buffers())
-    if (buffer != lists.addresses) written.push_back(buffer);
   gpu::ComputePass small;
   small.name = name;
   small.shader = "frontend/collect.comp:" + variant;
   small.constants = frontend.constants();
   small.constants.emplace_back(7, static_cast<std::uint32_t>(masks));
   small.bindings = {gpu::reads(0, frontend.small_records())};
-  small.by_address = written;
-  small.by_address.push_back(&frontend.records());
-  small.by_address.push_back(lists.addresses);  // stands for lists that are not there yet
+  const gpu_types::CollectPush push{.lists = lists.writes(small),
+                                    .records = small.reads(frontend.records()),
+                                    .count = static_cast<std::uint32_t>(frontend.small_count(true)),
+                                    .groups = groups,
+                                    .runs = runs,
+                                    .width = setup.width,
+                                    .height = setup.height};
   small.push = gpu::PushConstants(push);
   small.groups = {(groups + runs - 1) / runs * runs, 1, 1};
   recorder.compute(std::move(small));
@@ -65,8 +55,7 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   rest.pass.pipeline.constants = common_constants(setup);
   rest.pass.pipeline.constants.emplace_back(7, static_cast<std::uint32_t>(masks));
   rest.pass.size = {setup.width, setup.height};
-  rest.pass.bindings = {gpu::reads(0, *lists.addresses)};
-  rest.pass.by_address = written;
+  rest.pass.bindings = {gpu::writes(FRONTEND_SLOT_LISTS, *lists.addresses)};
   frontend.record_geometry(recorder, std::move(rest));
 }
 
@@ -98,17 +87,28 @@ void record_counting(gpu::PassRecorder& recorder, const FrameSetup& setup, const
 }
 
 FragmentLists lists_of(const Counted& counted) {
-  FragmentLists lists;
-  // Counting does not touch the two that are sized by it.
-  lists.fragments = lists.numbers = counted.addresses;
+  FragmentLists lists;  // without the two that are sized by counting, which does not touch them
   lists.ends = counted.ends;
   lists.bases = counted.bases;
   lists.addresses = counted.addresses;
-  lists.addresses->as<ListAddresses>()[0] = lists.by_address();
+  lists.addresses->set(gpu_types::ListAddresses{.fragments = 0,
+                                                .numbers = 0,
+                                                .ends = counted.addresses->of(*lists.ends),
+                                                .bases = counted.addresses->of(*lists.bases)});
   return lists;
 }
 
 }  // namespace
+
+gpu_types::ListAddresses FragmentLists::reads(gpu::AddressUses& pass) const {
+  const auto address = [&](gpu::Buffer* buffer) { return buffer ? pass.reads(*buffer) : 0; };
+  return {.fragments = address(fragments), .numbers = address(numbers), .ends = address(ends), .bases = address(bases)};
+}
+
+gpu_types::ListAddresses FragmentLists::writes(gpu::AddressUses& pass) const {
+  const auto address = [&](gpu::Buffer* buffer) { return buffer ? pass.writes(*buffer) : 0; };
+  return {.fragments = address(fragments), .numbers = address(numbers), .ends = address(ends), .bases = address(bases)};
+}
 
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name, ListedMasks masks) {
@@ -146,14 +146,16 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
   }
 
   const Counted counted = make_counted(recorder, setup);
-  FragmentLists counting = lists_of(counted);
+  record_counting(recorder, setup, counted, lists_of(counted), name, masks);
+  lists.fragments = &recorder.buffer("fragments", lists.count * 16);
+  lists.numbers = &recorder.buffer("fragment numbers", lists.count * 4);
   lists.ends = counted.ends;
   lists.bases = counted.bases;
   lists.addresses = counted.addresses;
-  lists.fragments = &recorder.buffer("fragments", lists.count * 16);
-  lists.numbers = &recorder.buffer("fragment numbers", lists.count * 4);
-  record_counting(recorder, setup, counted, counting, name, masks);
-  lists.addresses->as<ListAddresses>()[0] = lists.by_address();
+  lists.addresses->set(gpu_types::ListAddresses{.fragments = lists.addresses->of(*lists.fragments),
+                                                .numbers = lists.addresses->of(*lists.numbers),
+                                                .ends = lists.addresses->of(*lists.ends),
+                                                .bases = lists.addresses->of(*lists.bases)});
   record_collection(recorder, setup, lists, name, masks, "STORE");
   setup.outputs.counters["listed_fragments"] = lists.count;
   return lists;
@@ -173,27 +175,21 @@ void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setu
   GpuScene& scene = setup.scene;
   for (const FragmentLists::Batch& batch : lists.batches) {
     if (pass.alpha_only && !batch.alpha_test) continue;
-    struct {
-      HullPush hull;
-      std::uint32_t first, last;
-    } push{frontend.hull_push(), static_cast<std::uint32_t>(batch.first), static_cast<std::uint32_t>(batch.last)};
-    push.hull.material = batch.material;
     const std::uint32_t groups = groups_of(batch.last - batch.first), row = std::min(groups, kMostGroups);
     gpu::ComputePass compute;
+    compute.addressed = pass.addressed;
+    gpu_types::HullPush push = frontend.hull_push(compute, batch.material);
+    push.first_fragment = static_cast<std::uint32_t>(batch.first);
+    push.last_fragment = static_cast<std::uint32_t>(batch.last);
     compute.name = pass.name;
     compute.shader = pass.shader;
     compute.constants = frontend.constants();
     compute.constants.insert(compute.constants.end(), pass.constants.begin(), pass.constants.end());
     compute.bindings = pass.bindings;
     compute.bindings.push_back(gpu::uniform(scene.frame_constants));
-    compute.bindings.push_back(gpu::reads(0, *lists.addresses));
+    compute.bindings.push_back(gpu::writes(FRONTEND_SLOT_LISTS, *lists.addresses));
     compute.bindings.push_back(gpu::reads(9, scene.uv_mappings));
     compute.bindings.push_back(gpu::reads(10, scene.materials));
-    compute.by_address = pass.by_address;
-    compute.by_address.insert(compute.by_address.end(),
-                              {lists.fragments, lists.numbers, lists.ends, lists.bases, &frontend.records(),
-                               &scene.positions, &scene.normals, &scene.uvs, &scene.tangents, &scene.indices,
-                               &frontend.clip_matrices(), &scene.instances, &scene.second_uvs, &scene.colours});
     compute.push = gpu::PushConstants(push);
     compute.material = scene.material_set(batch.material);
     compute.groups = {row, (groups + row - 1) / row, 1};

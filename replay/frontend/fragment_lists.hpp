@@ -6,19 +6,15 @@
 #include <string>
 
 #include "replay/techniques/frame_setup.hpp"
+#include "shaders/frontend/frontend_interface.h"
 
 namespace subpixel::replay {
-
-// As in shaders/frontend/fragment_lists.glsl, for push constants.
-struct ListAddresses {
-  std::uint64_t fragments = 0, numbers = 0, ends = 0, bases = 0;
-};
 
 // Buffers of shaders/frontend/fragment_lists.glsl. Fragments stand by triangle, in submission order; a pixel's numbers
 // are not yet sorted.
 struct FragmentLists {
   gpu::Buffer *fragments = nullptr, *numbers = nullptr, *ends = nullptr, *bases = nullptr;
-  gpu::Buffer* addresses = nullptr;  // of the four above, a ListAddresses
+  gpu::AddressTable* addresses = nullptr;  // of the four above
   std::uint64_t count = 0;
   // Fragments [first, last) of consecutive draws with one material.
   struct Batch {
@@ -28,10 +24,10 @@ struct FragmentLists {
   };
   std::vector<Batch> batches;
 
-  std::array<gpu::Buffer*, 4> buffers() const { return {fragments, numbers, ends, bases}; }
-  ListAddresses by_address() const {
-    return {fragments->address(), numbers->address(), ends->address(), bases->address()};
-  }
+  // Their addresses for the push constants of `pass`, which from then on reads them or writes them, too; 0 for those
+  // that are not there yet.
+  gpu_types::ListAddresses reads(gpu::AddressUses& pass) const;
+  gpu_types::ListAddresses writes(gpu::AddressUses& pass) const;
 };
 
 // Fragments of one pixel that shaders go through, where a driver ends loops after 65,535 turns, all of an invocation
@@ -59,11 +55,10 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
 // A pass over the fragments material by material, textures bound: one invocation for each fragment of a batch, whose
 // range the shader finds in its push constants (shaders/frontend/listed_fragment.glsl). With `alpha_only` over
 // alpha-tested batches. Bindings and addresses beyond those are the caller's, as are constants.
-struct ListedPass {
+struct ListedPass : gpu::AddressUses {
   std::string name, shader;
   gpu::Constants constants;
   std::vector<gpu::Binding> bindings;
-  std::vector<gpu::Buffer*> by_address;
   bool alpha_only = false;
 };
 void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,

@@ -323,20 +323,21 @@ void Frontend::record_arguments(gpu::PassRecorder& recorder, const std::string& 
   recorder.compute(pass);
 }
 
-HullPush Frontend::hull_push() const {
-  HullPush push{};
-  push.records = records_.address();
-  push.positions = scene_.positions.address();
-  push.normals = scene_.normals.address();
-  push.uvs = scene_.uvs.address();
-  push.tangents = scene_.tangents.address();
-  push.indices = scene_.indices.address();
-  push.clip_matrices = clip_matrices_.address();
-  push.instances = scene_.instances.address();
-  push.second_uvs = scene_.second_uvs.address();
-  push.colours = scene_.colours.address();
-  push.triangle_slots = triangle_slots();
-  return push;
+gpu_types::HullPush Frontend::hull_push(gpu::AddressUses& pass, std::uint32_t material) {
+  return {.records = pass.reads(records_),
+          .positions = pass.reads(scene_.positions),
+          .normals = pass.reads(scene_.normals),
+          .uvs = pass.reads(scene_.uvs),
+          .tangents = pass.reads(scene_.tangents),
+          .indices = pass.reads(scene_.indices),
+          .clip_matrices = pass.reads(clip_matrices_),
+          .instances = pass.reads(scene_.instances),
+          .second_uvs = pass.reads(scene_.second_uvs),
+          .colours = pass.reads(scene_.colours),
+          .material = material,
+          .triangle_slots = triangle_slots(),
+          .first_fragment = 0,
+          .last_fragment = 0};
 }
 
 std::uint64_t Frontend::count_fragments(bool visible, std::uint32_t width, std::uint32_t height) {
@@ -368,7 +369,6 @@ std::uint64_t Frontend::count_fragments(bool visible, std::uint32_t width, std::
 
 void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry) {
   gpu::RasterPass& pass = geometry.pass;
-  const HullPush push = hull_push();
 
   gpu::RasterDescription opaque = pass.pipeline;
   opaque.vertex = geometry.by_material ? "frontend/hull.vert:ATTRIBUTES" : "frontend/hull.vert:VISIBILITY";
@@ -389,15 +389,13 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
                                                   : material_commands_;
   gpu::Buffer& indices = geometry.without_small ? rest_indices_ : visible_only ? visible_indices_ : hull_indices_;
   pass.indices_and_indirect = {&indices, &commands};
-  pass.by_address.insert(pass.by_address.end(),
-                         {&records_, &scene_.positions, &scene_.normals, &scene_.uvs, &scene_.tangents, &scene_.indices,
-                          &clip_matrices_, &scene_.instances, &scene_.second_uvs, &scene_.colours});
-
   const auto& batches = geometry.by_material ? material_batches_ : visibility_batches_;
+  const gpu_types::HullPush push = hull_push(pass, batches.empty() ? 0 : batches.front().material);
+  pass.push = gpu::PushConstants(push);
   pass.draws = [this, push, opaque, alpha, &batches, &commands, &indices,
                 by_material = geometry.by_material](gpu::DrawEncoder& encoder) {
     encoder.index_buffer(indices);
-    HullPush batch_push = push;
+    gpu_types::HullPush batch_push = push;
     for (std::size_t i = 0; i < batches.size(); ++i) {
       const Batch& batch = batches[i];
       if (!by_material) encoder.pipeline(batch.alpha_test ? alpha : opaque);

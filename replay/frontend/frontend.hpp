@@ -7,17 +7,11 @@
 
 #include "replay/gpu/pass_recorder.hpp"
 #include "replay/scene/gpu_scene.hpp"
-#include "shaders/frontend/frontend_types.h"
+#include "shaders/frontend/frontend_interface.h"
 
 namespace subpixel::replay {
 
 enum class AlphaDecision : std::uint32_t { to_coverage = 0, test = 1, per_sample = 2 };
-
-// Push constants of hull.vert and fragment.glsl.
-struct HullPush {
-  std::uint64_t records, positions, normals, uvs, tangents, indices, clip_matrices, instances, second_uvs, colours;
-  std::uint32_t material, triangle_slots;
-};
 
 class Frontend {
  public:
@@ -80,7 +74,8 @@ class Frontend {
   std::uint32_t chunk_count() const { return chunk_count_; }
   gpu::Buffer& counts() { return counts_; }            // by slot, COUNT_ bits of frontend_types.h
   gpu::Buffer& piece_bases() { return piece_bases_; }  // of clipped slots
-  HullPush hull_push() const;
+  // Push constants of a pass over fragments of `material`, whose uses they declare.
+  gpu_types::HullPush hull_push(gpu::AddressUses& pass, std::uint32_t material);
   // For tests: the records and the hull indices (4 * record + corner, 3 a hull triangle) of the last run.
   gpu::Buffer& records() { return records_; }
   gpu::Buffer& hull_indices() { return hull_indices_; }

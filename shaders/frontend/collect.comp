@@ -13,13 +13,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint SAMPLES = 8u;
 layout(set = 0, binding = 1, scalar) readonly buffer SmallRecords { uint small_records[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
-layout(push_constant, scalar) uniform Push {
-  ListAddresses lists;
-  Records records;
-  uint count;
-  uint groups, runs;  // dealt_item()
-  uint width, height;
-} push;
+layout(push_constant, scalar) uniform Push { CollectPush push; };
 #include "frontend/collect_fragment.glsl"
 
 uint record, fragments, base;

@@ -9,7 +9,7 @@
 #include "frontend/fragment_lists.glsl"
 #include "frontend/collect_fragment.glsl"
 
-layout(set = 0, binding = 1, scalar) readonly buffer Lists { ListAddresses lists; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_LISTS), scalar) readonly buffer Lists { ListAddresses lists; };
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);

@@ -4,6 +4,8 @@
 #ifndef SUBPIXEL_FRAGMENT_LISTS_GLSL
 #define SUBPIXEL_FRAGMENT_LISTS_GLSL
 
+#include "frontend/frontend_interface.h"
+
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Fragments { uvec4 fragment[]; };
 // Numbers of the fragments of each pixel, pixel after pixel; within a pixel in submission order once they are sorted.
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FragmentNumbers { uint number[]; };
@@ -11,13 +13,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FragmentNumb
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PixelEnds { uint end[]; };
 // Of each triangle record: how many fragments it has; then the number of its first.
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FragmentBases { uint base[]; };
-
-struct ListAddresses {
-  Fragments fragments;
-  FragmentNumbers numbers;
-  PixelEnds ends;
-  FragmentBases bases;
-};
 
 // The pixel of an invocation of a pass over pixels, dispatched as 64 invocations for 8x8 pixels. Eight neighbours, a vector on
 // lavapipe, stand 4x2: their lists are of like length more often than in a row.

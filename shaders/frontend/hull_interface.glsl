@@ -1,9 +1,10 @@
-// Push constants of the geometry passes. HullPush of replay/frontend/frontend.hpp.
+// Where the passes over fragments find geometry and records: by address.
+// Reads: push constants.
 #ifndef SUBPIXEL_HULL_INTERFACE_GLSL
 #define SUBPIXEL_HULL_INTERFACE_GLSL
 
 #include "include/frame.glsl"
-#include "frontend/frontend_types.h"
+#include "frontend/frontend_interface.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Positions { vec3 position[]; };
@@ -15,23 +16,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Ind
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer ClipMatrices { mat4 clip_from_object[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Instances { InstanceRecord instance[]; };
 
-layout(push_constant, scalar) uniform Push {
-  Records records;
-  Positions positions;
-  Normals normals;
-  Uvs uvs;
-  Tangents tangents;
-  Indices indices;
-  ClipMatrices clip_matrices;
-  Instances instances;
-  Uvs second_uvs;
-  Colours colours;
-  uint material;      // of the batch being drawn
-  uint triangle_slots;  // records of clipped pieces start here
-#ifdef LISTED
-  uint first_fragment, last_fragment;  // of the batch, by triangle
-#endif
-} push;
+layout(push_constant, scalar) uniform Push { HullPush push; };
 
 const uint kUvFeatures = FEATURE_BASE_TEXTURE | FEATURE_NORMAL_MAP | FEATURE_ROUGHNESS_TEXTURE | FEATURE_EMISSIVE_TEXTURE;
 // What fragments fetch from the source triangle's vertices themselves, so that hulls have no more outputs for it.

@@ -10,7 +10,7 @@
 #include "frontend/fragment.glsl"
 #include "frontend/fragment_lists.glsl"
 
-layout(set = 0, binding = 1, scalar) readonly buffer Lists { ListAddresses lists; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_LISTS), scalar) readonly buffer Lists { ListAddresses lists; };
 
 bool listed_number(out uint number) {
   number = push.first_fragment + gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * 64u;

@@ -59,12 +59,7 @@ std::vector<std::uint32_t> driver_samples(gpu::Device& device, FrontendRun& run)
   pass.clear_colours = {{SUBPIXEL_NO_TRIANGLE, 0, 0, 0}};
   pass.depth = &depth;
   pass.bindings = {gpu::uniform(run.scene.frame_constants)};
-  HullPush push{};
-  push.positions = run.scene.positions.address();
-  push.indices = run.scene.indices.address();
-  push.clip_matrices = run.frontend.clip_matrices().address();
-  pass.by_address = {&run.scene.positions, &run.scene.indices, &run.frontend.clip_matrices()};
-  pass.push = gpu::PushConstants(push);
+  pass.push = gpu::PushConstants(run.frontend.hull_push(pass, 0));
   const auto corners = static_cast<std::uint32_t>(3 * run.scene.triangle_count());
   pass.draws = [corners](gpu::DrawEncoder& encoder) { encoder.draw(corners); };
   recorder.raster(std::move(pass));
