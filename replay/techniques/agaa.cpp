@@ -11,8 +11,7 @@
 
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/frontend/frontend_types.h"
-#include "shaders/techniques/agaa/agaa_types.h"
+#include "shaders/techniques/agaa/agaa_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -46,12 +45,13 @@ bool roughness_in_normal(const Setup& setup) {
   return setup.parameters.roughness == Roughness::in_normal;
 }
 
-// As in shaders/techniques/agaa/aggregate.glsl.
+std::uint32_t agaa_options(const Setup& setup) {
+  return (float_storage(setup) ? AGAA_FLOAT : 0u) | (sggx(setup) ? AGAA_SGGX : 0u) |
+         (roughness_in_normal(setup) ? AGAA_ROUGHNESS_IN_NORMAL : 0u);
+}
+
 std::uint32_t aggregate_words(const Setup& setup) {
-  const std::uint32_t emission = setup.scene.features().has(FEATURE_EMISSIVE) ? 3 : 0;
-  if (float_storage(setup)) return 11 + emission + (sggx(setup) ? 6 : 0);
-  return 3 + (setup.scene.features().has(FEATURE_METAL) ? 1 : 0) + (setup.samples > 8 ? 1 : 0) + emission +
-         (sggx(setup) ? 3 : 0);
+  return AGAA_WORDS(setup.samples, setup.scene.features().bits, agaa_options(setup));
 }
 
 MemoryLayout layout(const Setup& setup) {
@@ -81,11 +81,9 @@ MemoryLayout layout(const Setup& setup) {
 }
 
 gpu::Constants agaa_constants(const Setup& setup) {
-  std::uint32_t options = 0;
-  if (float_storage(setup)) options |= AGAA_FLOAT;
-  if (sggx(setup)) options |= AGAA_SGGX;
-  if (roughness_in_normal(setup)) options |= AGAA_ROUGHNESS_IN_NORMAL;
-  return {{7, setup.parameters.aggregates}, {8, options}, {9, setup.parameters.shadow_taps}};
+  return {{AGAA_CONSTANT_AGGREGATES, setup.parameters.aggregates},
+          {AGAA_CONSTANT_OPTIONS, agaa_options(setup)},
+          {AGAA_CONSTANT_SHADOW_TAPS, setup.parameters.shadow_taps}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
@@ -127,27 +125,21 @@ gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const Setup& setup, const
       recorder.buffer("face normals", frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 4);
   constexpr std::uint32_t kRow = 1024;  // workgroups of 64 in x
   const auto groups = static_cast<std::uint32_t>((frontend.hull_triangles() + 63) / 64);
-  struct {
-    std::uint64_t hulls, records, positions, indices, instances, faces;
-    std::uint32_t hull_triangles, row;
-    float largest_polar;
-  } const push{frontend.hull_indices().address(),
-               frontend.records().address(),
-               scene.positions.address(),
-               scene.indices.address(),
-               scene.instances.address(),
-               faces.address(),
-               static_cast<std::uint32_t>(frontend.hull_triangles()),
-               64 * kRow,
-               space.largest_polar};
   gpu::ComputePass pass;
   pass.name = "face normals";
   pass.shader = "techniques/agaa/faces.comp";
   pass.constants = frontend.constants();
-  pass.constants.emplace_back(8, space.looks_along_z ? AGAA_DISTANCE_ALONG_VIEW : 0u);
+  pass.constants.emplace_back(AGAA_CONSTANT_OPTIONS, space.looks_along_z ? AGAA_DISTANCE_ALONG_VIEW : 0u);
   pass.bindings = {gpu::uniform(scene.frame_constants)};
-  pass.by_address = {&frontend.hull_indices(), &frontend.records(), &scene.positions,
-                     &scene.indices,           &scene.instances,    &faces};
+  const gpu_types::AgaaFacesPush push{.hulls = pass.reads(frontend.hull_indices()),
+                                      .records = pass.reads(frontend.records()),
+                                      .positions = pass.reads(scene.positions),
+                                      .indices = pass.reads(scene.indices),
+                                      .instances = pass.reads(scene.instances),
+                                      .faces = pass.writes(faces),
+                                      .hull_triangles = static_cast<std::uint32_t>(frontend.hull_triangles()),
+                                      .row = 64 * kRow,
+                                      .largest_polar = space.largest_polar};
   pass.push = gpu::PushConstants(push);
   pass.groups = {std::min(groups, kRow), (groups + kRow - 1) / kRow, 1};
   recorder.compute(std::move(pass));
@@ -167,16 +159,12 @@ gpu::Image& record_definition(gpu::PassRecorder& recorder, const Setup& setup, g
   pass.pipeline.fragment = "techniques/agaa/define.frag";
   pass.pipeline.constants = setup.frontend.constants();
   append(pass.pipeline.constants, agaa_constants(setup));
-  pass.pipeline.targets.colours = {format};
   pass.colours = {{membership}};
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::samples(0, visibility)};
-  pass.by_address = {&faces};
-  struct {
-    glm::mat4 view_from_clip;
-    std::uint64_t faces;
-    float inverse_length, separation;
-  } const push{space.from_clip, faces.address(), static_cast<float>(1 / setup.parameters.length),
-               static_cast<float>(setup.parameters.separation)};
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::samples(FRAME_SLOT_VISIBILITY, visibility)};
+  const gpu_types::AgaaDefinePush push{.view_from_clip = space.from_clip,
+                                       .faces = pass.reads(faces),
+                                       .inverse_length = static_cast<float>(1 / setup.parameters.length),
+                                       .separation = static_cast<float>(setup.parameters.separation)};
   pass.push = gpu::PushConstants(push);
   recorder.raster(std::move(pass));
   return membership;
@@ -184,7 +172,7 @@ gpu::Image& record_definition(gpu::PassRecorder& recorder, const Setup& setup, g
 
 struct State {
   gpu::Buffer* sums = nullptr;
-  gpu::Buffer* description = nullptr;  // AggregateState of sums_access.glsl
+  gpu::AddressTable* table = nullptr;  // AgaaState
 };
 
 State make_state(gpu::PassRecorder& recorder, const Setup& setup) {
@@ -193,15 +181,17 @@ State make_state(gpu::PassRecorder& recorder, const Setup& setup) {
   constexpr std::uint64_t kBorderRows = 5;
   state.sums = &recorder.buffer("aggregates", (setup.height + kBorderRows) * setup.width * setup.parameters.aggregates *
                                                   aggregate_words(setup) * 4);
-  state.description = &recorder.buffer("aggregate state", 16);
+  state.table = &recorder.address_table("aggregate state", sizeof(gpu_types::AgaaState));
   float largest = 0;
   for (const auto& material :
        setup.scene.materials.as<gpu_types::MaterialRecord>().first(setup.scene.constants().counts.y))
     for (int c = 0; c < 3; ++c) largest = std::max(largest, material.emissive_cutoff[c]);
   // Unlit surfaces emit colours.
   if (setup.scene.features().has(FEATURE_UNLIT)) largest = std::max(largest, 1.0f);
-  state.description->as<std::uint64_t>()[0] = state.sums->address();
-  state.description->as<float>()[2] = largest > 0 && std::isfinite(largest) ? largest : 1.0f;
+  state.table->set(gpu_types::AgaaState{
+      .sums = state.table->of(*state.sums),
+      .largest_emission = largest > 0 && std::isfinite(largest) ? largest : 1.0f,
+  });
   return state;
 }
 
@@ -220,8 +210,8 @@ void record_generation(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
   if (!membership)
     membership =
         &recorder.image({"no membership", VK_FORMAT_R32_UINT, 1, 1, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
-  pass.bindings = {gpu::samples(0, visibility), gpu::samples(1, *membership), gpu::reads(0, *state.description)};
-  pass.by_address = {state.sums};
+  pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(AGAA_SLOT_MEMBERSHIP, *membership),
+                   gpu::writes(AGAA_SLOT_STATE, *state.table)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
 
@@ -233,11 +223,10 @@ void record_shading(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image&
   setup.outputs.display = &recorder.image(output);
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/agaa/shade.frag");
   append(pass.pipeline.constants, agaa_constants(setup));
-  pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
-  pass.bindings.insert(pass.bindings.end(), {gpu::samples(0, visibility), gpu::reads(0, *state.description)});
-  pass.by_address = {state.sums};
-  pass.push = gpu::PushConstants(space.from_clip);
+  pass.bindings.insert(pass.bindings.end(),
+                       {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::reads(AGAA_SLOT_STATE, *state.table)});
+  pass.push = gpu::PushConstants(gpu_types::AgaaShadePush{space.from_clip});
   recorder.raster(std::move(pass));
 }
 
@@ -250,12 +239,11 @@ void record_maps(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& vi
   for (const char* name : {"aggregates", "normal_variance", "footprint"}) {
     gpu::Image& map = map_image(recorder, setup, name);
     setup.outputs.maps.emplace_back(name, &map);
-    pass.pipeline.targets.colours.push_back(map.description().format);
     pass.colours.emplace_back(map);
   }
-  pass.bindings.insert(pass.bindings.end(), {gpu::samples(0, visibility), gpu::reads(0, *state.description)});
-  pass.by_address = {state.sums};
-  pass.push = gpu::PushConstants(space.from_clip);
+  pass.bindings.insert(pass.bindings.end(),
+                       {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::reads(AGAA_SLOT_STATE, *state.table)});
+  pass.push = gpu::PushConstants(gpu_types::AgaaShadePush{space.from_clip});
   recorder.host([&device = recorder.device(), pass = std::move(pass), done = false]() mutable {
     if (done) return;
     gpu::PassRecorder own(device);

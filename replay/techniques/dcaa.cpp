@@ -3,7 +3,8 @@
 // shows and lights it once. Wang, Wyman, He and Sen, "Decoupled Coverage Anti-Aliasing", High-Performance Graphics
 // 2015.
 #include "replay/techniques/dcaa_passes.hpp"
-#include "shaders/techniques/dcaa/dcaa_types.h"
+#include "replay/techniques/deferred.hpp"
+#include "shaders/techniques/dcaa/dcaa_interface.h"
 
 namespace subpixel::replay {
 namespace {

@@ -32,7 +32,7 @@ Field<DecoupledParameters> depth_reach();
 // How a technique wants its surfaces kept and merged; the shaders' specialization constants.
 struct DcaaForm {
   std::uint32_t surfaces = 4;
-  std::uint32_t options = 0;        // DCAA_ bits of dcaa_types.h
+  std::uint32_t options = 0;        // DCAA_ bits of dcaa_interface.h
   float normal_cosine = 1;          // of the largest angle between facet normals that merge at the first attempt
   float depth_reach = 0.5F;         // of depth intervals, in pixels from the centre
   std::uint32_t normal_format = 0;  // DCAA_NORMAL_ of facet normals

@@ -7,7 +7,8 @@
 // distance, whatever their depths, instead of being averaged with one that overlaps it in depth or else dropped. Merged
 // shading normals keep the length of their mean, and lighting is filtered over the distribution that it stands for.
 #include "replay/techniques/dcaa_passes.hpp"
-#include "shaders/techniques/dcaa/dcaa_types.h"
+#include "replay/techniques/deferred.hpp"
+#include "shaders/techniques/dcaa/dcaa_interface.h"
 
 namespace subpixel::replay {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "replay/frontend/fragment_lists.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/techniques/streaming/streaming_types.h"
+#include "shaders/techniques/streaming/streaming_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -19,17 +19,6 @@ namespace {
 constexpr VkFormat kWords = VK_FORMAT_R32G32B32A32_UINT, kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr VkImageUsageFlags kTarget =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
-// Vulkan requires at least 4 colour attachments; devices that run us have 8.
-constexpr std::uint32_t kMostAttachments = 8, kFewestAttachments = 3;
-
-// As in shaders/techniques/streaming/state.glsl.
-std::uint32_t state_quads(const StreamingSetup& setup) {
-  const SceneFeatures features = setup.scene.features();
-  const std::uint32_t surface_words = 5 + (setup.samples == 32 ? 1 : 0) +
-                                      (setup.samples > 8 && features.has(FEATURE_VARYING_ROUGHNESS) ? 1 : 0) +
-                                      (features.has(FEATURE_EMISSIVE) ? 1 : 0);
-  return (setup.samples + 1 + setup.parameters.surfaces * surface_words + 3) / 4;
-}
 
 gpu::Constants streaming_constants(const StreamingSetup& setup) {
   const StreamingParameters& p = setup.parameters;
@@ -41,7 +30,9 @@ gpu::Constants streaming_constants(const StreamingSetup& setup) {
   if (p.occlusion == StreamingOcclusion::depth_test) options |= STREAM_DEPTH_TESTED;
   if (p.depth_space == StreamingDepth::clip) options |= STREAM_CLIP_SPACE;
   const auto cosine = static_cast<float>(std::cos(p.normal_angle));
-  return {{10, p.surfaces}, {11, std::bit_cast<std::uint32_t>(cosine)}, {12, options}};
+  return {{STREAM_CONSTANT_SURFACES, p.surfaces},
+          {STREAM_CONSTANT_COS_NORMAL_ANGLE, std::bit_cast<std::uint32_t>(cosine)},
+          {STREAM_CONSTANT_OPTIONS, options}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
@@ -63,28 +54,28 @@ MemoryLayout layout(const StreamingSetup& setup) {
 struct State {
   gpu::Image* image = nullptr;
   gpu::Buffer* words = nullptr;
-  gpu::Buffer* address = nullptr;
+  gpu::AddressTable* address = nullptr;
   std::string variant() const { return image ? "IMAGE" : "BUFFER"; }
   void bind_for_reading(gpu::RasterPass& pass) const {
     if (image) {
-      pass.bindings.push_back(gpu::samples(0, *image));
+      pass.bindings.push_back(gpu::samples(ORDERED_SLOT_ATTACHMENTS, *image));
     } else {
-      pass.bindings.push_back(gpu::reads(0, *address));
-      pass.by_address.push_back(words);
+      pass.bindings.push_back(gpu::reads(ORDERED_SLOT_ADDRESS, *address));
     }
   }
 };
 
 State make_state(gpu::PassRecorder& recorder, const StreamingSetup& setup, bool in_buffer) {
-  const std::uint32_t quads = state_quads(setup);
+  const std::uint32_t quads = STREAM_STATE_QUADS(setup.samples, setup.scene.features().bits, setup.parameters.surfaces);
   State state;
-  if (quads <= kMostAttachments && !in_buffer) {
+  if (quads <= ORDERED_MOST_ATTACHMENTS && !in_buffer) {
     state.image = &recorder.image({"streaming state", kWords, setup.width, setup.height, 1,
-                                   std::max(quads, kFewestAttachments), VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+                                   std::max<std::uint32_t>(quads, ORDERED_FEWEST_ATTACHMENTS), VK_SAMPLE_COUNT_1_BIT,
+                                   kTarget, true});
   } else {
     state.words = &recorder.buffer("streaming state", state_pixels(setup) * quads * 16);
-    state.address = &recorder.buffer("streaming state address", sizeof(VkDeviceAddress));
-    state.address->as<VkDeviceAddress>()[0] = state.words->address();
+    state.address = &recorder.address_table("streaming state address", sizeof(VkDeviceAddress));
+    state.address->set(state.address->of(*state.words));
   }
   return state;
 }
@@ -101,14 +92,12 @@ void record_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup
     geometry.fragment_opaque = fmt::format("techniques/streaming/compress.frag:{}", attachments);
     pass.pipeline.targets.ordered_read = true;
     pass.pipeline.targets.clear = true;
-    pass.pipeline.targets.colours.assign(attachments, kWords);
     for (std::uint32_t i = 0; i < attachments; ++i) pass.colours.emplace_back(*state.image, i);
     pass.clear_colours.assign(attachments, {});
   } else {
     geometry.fragment_opaque = std::string("techniques/streaming/compress.frag:") + buffer_variant(recorder.device());
     recorder.fill("compress", *state.words, 0);
-    pass.bindings.push_back(gpu::reads(0, *state.address));
-    pass.by_address.push_back(state.words);
+    pass.bindings.push_back(gpu::writes(ORDERED_SLOT_ADDRESS, *state.address));
     pass.size = {setup.width, setup.height};
   }
   setup.frontend.record_geometry(recorder, std::move(geometry));
@@ -118,9 +107,9 @@ void record_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup
 void record_list_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup, const FragmentLists& lists,
                              const State& state) {
   gpu::Buffer& passed = recorder.buffer("passed fragments", std::uint64_t{setup.width} * setup.height * 4);
-  gpu::Buffer& surfaces = recorder.buffer("fragment surfaces", lists.count * 24);
-  gpu::Buffer& surfaces_address = recorder.buffer("fragment surfaces address", sizeof(VkDeviceAddress));
-  surfaces_address.as<VkDeviceAddress>()[0] = surfaces.address();
+  gpu::Buffer& surfaces = recorder.buffer("fragment surfaces", lists.count * sizeof(gpu_types::StreamListedSurface));
+  gpu::AddressTable& surfaces_address = recorder.address_table("fragment surfaces address", sizeof(VkDeviceAddress));
+  surfaces_address.set(surfaces_address.of(surfaces));
 
   ListedPass listed;
   listed.constants = common_constants(setup);
@@ -133,36 +122,40 @@ void record_list_compression(gpu::PassRecorder& recorder, const StreamingSetup& 
     listed.alpha_only = false;
   }
 
-  gpu::ComputePass pass;
-  struct {
-    gpu_types::ListAddresses lists;
-    std::uint64_t records_or_surfaces, state, passed;
-    std::uint32_t width, height;
-  } push{lists.writes(pass), setup.frontend.records().address(), state.words->address(), passed.address(), setup.width,
-         setup.height};
-  pass.name = "depth test";
-  pass.shader = "techniques/streaming/depth_test.comp";
-  pass.constants = setup.frontend.constants();
-  append(pass.constants, streaming_constants(setup));
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
-  pass.by_address = {lists.fragments,           lists.numbers, lists.ends, lists.bases,
-                     &setup.frontend.records(), state.words,   &passed};
-  pass.push = gpu::PushConstants(push);
-  pass.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
-  recorder.compute(pass);
+  gpu::ComputePass by_pixel;
+  by_pixel.constants = setup.frontend.constants();
+  append(by_pixel.constants, streaming_constants(setup));
+  by_pixel.bindings = {gpu::uniform(setup.scene.frame_constants)};
+  by_pixel.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
+
+  gpu::ComputePass test = by_pixel;
+  test.name = "depth test";
+  test.shader = "techniques/streaming/depth_test.comp";
+  const gpu_types::StreamDepthTestPush test_push{.lists = lists.writes(test),
+                                                 .records = test.reads(setup.frontend.records()),
+                                                 .state = test.writes(*state.words),
+                                                 .passed = test.writes(passed),
+                                                 .width = setup.width,
+                                                 .height = setup.height};
+  test.push = gpu::PushConstants(test_push);
+  recorder.compute(std::move(test));
 
   listed.name = "attributes";
   listed.shader = "techniques/streaming/attributes.comp";
-  listed.bindings = {gpu::reads(1, surfaces_address)};
-  listed.writes(surfaces);
+  listed.bindings = {gpu::writes(STREAM_SLOT_SURFACES, surfaces_address)};
   record_listed_fragments(recorder, setup, lists, listed);
 
-  push.records_or_surfaces = surfaces.address();
-  pass.name = "merge";
-  pass.shader = "techniques/streaming/merge.comp";
-  pass.by_address = {lists.fragments, lists.numbers, lists.ends, lists.bases, &surfaces, state.words, &passed};
-  pass.push = gpu::PushConstants(push);
-  recorder.compute(pass);
+  gpu::ComputePass merge = by_pixel;
+  merge.name = "merge";
+  merge.shader = "techniques/streaming/merge.comp";
+  const gpu_types::StreamMergePush merge_push{.lists = lists.reads(merge),
+                                              .surfaces = merge.reads(surfaces),
+                                              .state = merge.writes(*state.words),
+                                              .passed = merge.reads(passed),
+                                              .width = setup.width,
+                                              .height = setup.height};
+  merge.push = gpu::PushConstants(merge_push);
+  recorder.compute(std::move(merge));
 }
 
 void record_shading(gpu::PassRecorder& recorder, const StreamingSetup& setup, const State& state) {
@@ -172,7 +165,6 @@ void record_shading(gpu::PassRecorder& recorder, const StreamingSetup& setup, co
   setup.outputs.display = &recorder.image(output);
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/streaming/shade.frag:" + state.variant());
   append(pass.pipeline.constants, streaming_constants(setup));
-  pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
   state.bind_for_reading(pass);
   recorder.raster(std::move(pass));
@@ -193,7 +185,6 @@ void record_maps(gpu::PassRecorder& recorder, const StreamingSetup& setup, const
   pass.pipeline.fragment = "techniques/streaming/maps.frag:" + state.variant();
   pass.pipeline.constants = setup.frontend.constants();
   append(pass.pipeline.constants, streaming_constants(setup));
-  pass.pipeline.targets.colours.assign(maps.size(), VK_FORMAT_R32_UINT);
   for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
   pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
   state.bind_for_reading(pass);

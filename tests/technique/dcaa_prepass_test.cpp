@@ -3,7 +3,7 @@
 
 #include "replay/techniques/dcaa_passes.hpp"
 #include "scenes/generate/generate.hpp"
-#include "shaders/techniques/dcaa/dcaa_types.h"
+#include "shaders/techniques/dcaa/dcaa_interface.h"
 #include "tests/technique/frontend_fixture.hpp"
 #include "tests/technique/technique_run.hpp"
 

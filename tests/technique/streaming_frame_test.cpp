@@ -48,9 +48,9 @@ PixelStreams streams_of(const StreamingSetup& setup, const WordLayout& layout) {
   pass.name = "stream";
   pass.shader = "tests/streaming_fragments.comp";
   pass.constants = common_constants(setup);
-  pass.constants.emplace_back(12,
+  pass.constants.emplace_back(STREAM_CONSTANT_OPTIONS,
                               setup.parameters.depth_space == replay::StreamingDepth::clip ? STREAM_CLIP_SPACE : 0u);
-  pass.bindings = {gpu::writes(1, stream)};
+  pass.bindings = {gpu::writes(STREAM_TEST_SLOT_OF_FRAME, stream)};
   record_listed_fragments(recorder, setup, *lists, pass);
   recorder.run();
 
