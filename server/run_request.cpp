@@ -5,18 +5,17 @@
 #include <algorithm>
 #include <array>
 
-#include "capture_format/error.hpp"
-#include "capture_format/printable.hpp"
-#include "replay/measure/json_fields.hpp"
+#include "base/error.hpp"
+#include "base/json_document.hpp"
+#include "base/json_fields.hpp"
+#include "replay/results/limits.hpp"
 #include "replay/techniques/complete_technique.hpp"
 #include "replay/techniques/registry.hpp"
-#include "server/json_document.hpp"
 
 namespace subpixel::server {
 namespace {
 
 using nlohmann::json;
-using replay::JsonField;
 
 constexpr std::string_view kWhat = "run request";
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "replay/worker_protocol.hpp"
+#include "replay/results/worker_protocol.hpp"
 
 namespace subpixel::server {
 

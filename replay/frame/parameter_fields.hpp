@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-#include "replay/techniques/parameters.hpp"
+#include "replay/results/parameters.hpp"
 
 namespace subpixel::replay {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "capture_format/printable.hpp"
+#include "base/printable.hpp"
 #include "replay/techniques/registry.hpp"
 
 namespace subpixel::replay {

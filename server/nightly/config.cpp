@@ -6,21 +6,21 @@
 #include <fstream>
 #include <sstream>
 
-#include "capture_format/error.hpp"
-#include "capture_format/printable.hpp"
+#include "base/error.hpp"
+#include "base/json_document.hpp"
+#include "base/printable.hpp"
+#include "replay/results/limits.hpp"
 #include "replay/techniques/complete_technique.hpp"
 #include "replay/techniques/registry.hpp"
-#include "server/json_document.hpp"
 
 namespace subpixel::server {
 namespace {
 
 using nlohmann::json;
-using replay::JsonField;
 
 const std::string kWhat = "nightly configuration";
 
-// A replay's limits are replay/limits.hpp's; these are of the night itself.
+// A replay's limits are replay/results/limits.hpp's; these are of the night itself.
 constexpr replay::Limit kKeepLimit{.name = "keep", .low = 0, .high = 1'000'000, .unit = "nights", .meaning = "kept"};
 constexpr replay::Limit kConfirmLimit{
     .name = "confirm", .low = 0, .high = 10, .unit = "times", .meaning = "a slower cell is measured again"};
