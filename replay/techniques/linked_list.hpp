@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "replay/frame/technique.hpp"
-#include "shaders/techniques/linked_list/linked_list_types.h"
+#include "shaders/techniques/linked_list/linked_list_interface.h"
 
 namespace subpixel::replay {
 
