@@ -84,7 +84,7 @@ void bind(Pass& pass, const Lists& lists) {
   if (lists.owners) pass.by_address.push_back(lists.owners);
 }
 
-gpu::RasterPass fullscreen_pass(const FrameSetup& setup, std::string name, std::string fragment) {
+gpu::RasterPass list_pass(const FrameSetup& setup, std::string name, std::string fragment) {
   gpu::RasterPass pass;
   pass.name = std::move(name);
   pass.pipeline.vertex = "shade/fullscreen.vert";
@@ -113,7 +113,7 @@ void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   const std::uint32_t sums = allocation(setup) == LINK_ALLOCATE_LARGEST ? tiles * setup.samples : tiles;
   gpu::Buffer& needed = recorder.buffer("blocks by tile", (std::uint64_t{sums} + 1) * 16);
   gpu::Image& leaders = map_image(recorder, setup, "leaders");
-  gpu::RasterPass find = fullscreen_pass(setup, kLink, "techniques/linked_list/leaders.frag");
+  gpu::RasterPass find = list_pass(setup, kLink, "techniques/linked_list/leaders.frag");
   find.pipeline.targets.colours = {leaders.description().format};
   find.colours = {{leaders}};
   bind(find, lists);
@@ -188,7 +188,7 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lis
     maps.push_back(&map_image(recorder, setup, name));
     setup.outputs.maps.emplace_back(name, maps.back());
   }
-  gpu::RasterPass pass = fullscreen_pass(setup, "maps", "techniques/linked_list/maps.frag");
+  gpu::RasterPass pass = list_pass(setup, "maps", "techniques/linked_list/maps.frag");
   pass.pipeline.targets.colours.assign(maps.size(), VK_FORMAT_R32_UINT);
   for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
   bind(pass, lists);
