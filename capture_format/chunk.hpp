@@ -39,7 +39,14 @@ enum class ChunkType : std::uint32_t {
 inline constexpr std::array kChunkOrder{ChunkType::metadata, ChunkType::data,  ChunkType::buffer, ChunkType::texture,
                                         ChunkType::material, ChunkType::frame, ChunkType::index};
 
-enum class Codec : std::uint32_t { raw = 0, zstd = 1 };
+enum class Codec : std::uint32_t { raw = 0, zstd = 1, zlib = 2 };
+enum class Checksum : std::uint32_t { xxh3_64 = 0, crc32 = 1 };  // the file header's flags
+
+// What a file's header says of all its chunks.
+struct FileKind {
+  std::uint32_t version = kOldestVersion;
+  Checksum checksum = Checksum::xxh3_64;
+};
 
 struct ChunkHeader {
   ChunkType type{};
@@ -47,14 +54,15 @@ struct ChunkHeader {
   Codec codec = Codec::raw;
   std::uint64_t stored_bytes = 0;
   std::uint64_t decoded_bytes = 0;
-  std::uint64_t checksum = 0;  // XXH3-64 of the 32 header bytes before it and the stored payload
+  std::uint64_t checksum = 0;  // of the 32 header bytes before it and the stored payload
 };
 
 constexpr std::uint64_t aligned(std::uint64_t offset) {
   return (offset + kAlignment - 1) / kAlignment * kAlignment;
 }
 
-// XXH3-64 of two stretches of bytes as if they were one.
-std::uint64_t checksum_of(std::span<const std::byte> first, std::span<const std::byte> second);
+// The checksum of two stretches of bytes as if they were one; CRC-32 is in the low 32 bits, the others are 0.
+std::uint64_t checksum_of(std::span<const std::byte> first, std::span<const std::byte> second,
+                          Checksum kind = Checksum::xxh3_64);
 
 }  // namespace subpixel::capture

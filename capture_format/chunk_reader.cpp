@@ -1,12 +1,15 @@
 #include "capture_format/chunk_reader.hpp"
 
+#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
 #include <bit>
+#include <memory>
+#include <new>
 #include <utility>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::capture {
 namespace {
@@ -35,7 +38,8 @@ bool checksum_holds(std::uint64_t stored, std::uint64_t computed) {
 }
 
 // The chunk header at `offset`, which the caller knows to lie inside the file; its payload must end by `end`.
-ChunkHeader load_header(std::span<const std::byte> file, std::uint64_t offset, std::uint64_t end) {
+ChunkHeader load_header(std::span<const std::byte> file, std::uint64_t offset, std::uint64_t end,
+                        const FileKind& kind) {
   ChunkHeader header;
   header.type = load<ChunkType>(file, offset);
   header.id = load<std::uint32_t>(file, offset + 4);
@@ -47,8 +51,10 @@ ChunkHeader load_header(std::span<const std::byte> file, std::uint64_t offset, s
   if (std::find(kChunkOrder.begin(), kChunkOrder.end(), header.type) == kChunkOrder.end()) {
     fail_reading("unknown chunk type", offset, name, "type");
   }
-  if (header.codec != Codec::raw && header.codec != Codec::zstd)
-    fail_reading("unknown codec", offset + 8, name, "codec");
+  if (header.codec > Codec::zlib) fail_reading("unknown codec", offset + 8, name, "codec");
+  if (header.codec == Codec::zlib && kind.version < 2) {
+    fail_reading("version 1 knows no zlib", offset + 8, name, "codec");
+  }
   if (load<std::uint32_t>(file, offset + 12) != 0) fail_reading("not 0", offset + 12, name, "reserved");
   const std::uint64_t available = end - offset - kChunkHeaderBytes;
   if (header.stored_bytes > available) {
@@ -58,6 +64,12 @@ ChunkHeader load_header(std::span<const std::byte> file, std::uint64_t offset, s
   }
   if (header.codec == Codec::raw && header.decoded_bytes != header.stored_bytes) {
     fail_reading("differs from stored_bytes of an uncompressed chunk", offset + 24, name, "decoded_bytes");
+  }
+  // Deflate makes at most 258 bytes of 2 bits: what promises more lies, and takes no memory.
+  constexpr std::uint64_t kMostInflation = 1032;
+  if (header.codec == Codec::zlib && header.decoded_bytes / kMostInflation > header.stored_bytes) {
+    fail_reading("more than zlib can make of " + std::to_string(header.stored_bytes) + " bytes", offset + 24, name,
+                 "decoded_bytes");
   }
   return header;
 }
@@ -78,7 +90,7 @@ void require_order(const ChunkAt& chunk, const std::vector<ChunkAt>& before) {
   if (header.id != expected) fail_reading("out of sequence", chunk.offset + 4, name, "id");
 }
 
-std::uint64_t checked_footer(std::span<const std::byte> file) {
+std::uint64_t checked_footer(std::span<const std::byte> file, Checksum checksum) {
   const std::uint64_t footer = file.size() - kFooterBytes;
   if (!has_magic(file, footer + 24, kEndMagic)) {
     fail_reading("the end is missing: the file is truncated or has bytes after its end", footer + 24, "footer",
@@ -89,7 +101,7 @@ std::uint64_t checked_footer(std::span<const std::byte> file) {
                  "file_bytes");
   }
   if (!checksum_holds(load<std::uint64_t>(file, footer + 16),
-                      checksum_of(file.first(kHeaderBytes), file.subspan(footer, 16)))) {
+                      checksum_of(file.first(kHeaderBytes), file.subspan(footer, 16), checksum))) {
     fail_reading("header or footer is damaged", footer + 16, "footer", "checksum");
   }
   const auto index_offset = load<std::uint64_t>(file, footer);
@@ -100,9 +112,10 @@ std::uint64_t checked_footer(std::span<const std::byte> file) {
   return index_offset;
 }
 
-void require_index(std::span<const std::byte> file, std::uint64_t offset, const std::vector<ChunkAt>& chunks) {
+void require_index(std::span<const std::byte> file, std::uint64_t offset, const std::vector<ChunkAt>& chunks,
+                   const FileKind& kind) {
   const std::uint64_t footer = file.size() - kFooterBytes;
-  const ChunkAt index{load_header(file, offset, footer), offset};
+  const ChunkAt index{load_header(file, offset, footer, kind), offset, kind.checksum};
   const std::string name = chunk_name(index.header.type, index.header.id);
   if (index.header.type != ChunkType::index || index.header.id != 0)
     fail_reading("not the index", offset, name, "type");
@@ -124,6 +137,81 @@ void require_index(std::span<const std::byte> file, std::uint64_t offset, const 
                    "entry " + std::to_string(i));
     }
   }
+}
+
+FileKind checked_kind(std::span<const std::byte> file) {
+  FileKind kind;
+  kind.version = load<std::uint32_t>(file, 8);
+  if (kind.version < kOldestVersion || kind.version > kNewestVersion) {
+    fail_reading("version " + std::to_string(kind.version) + ", this program reads " + std::to_string(kOldestVersion) +
+                     " and " + std::to_string(kNewestVersion),
+                 8, "header", "version");
+  }
+  const auto flags = load<std::uint32_t>(file, 12);
+  if (kind.version == 1 && flags != 0) fail_reading("not 0", 12, "header", "flags");
+  if (flags > static_cast<std::uint32_t>(Checksum::crc32)) {
+    fail_reading(std::to_string(flags) + " is no checksum", 12, "header", "flags");
+  }
+  kind.checksum = static_cast<Checksum>(flags);
+  return kind;
+}
+
+std::vector<std::byte> decode_zstd(std::span<const std::byte> stored, const ChunkAt& chunk, const std::string& name) {
+  // The frame's own size is asked first: memory is taken only when it says the same as the header.
+  if (ZSTD_getFrameContentSize(stored.data(), stored.size()) != chunk.header.decoded_bytes) {
+    fail_reading("differs from the compressed payload's own size", chunk.offset + 24, name, "decoded_bytes");
+  }
+  std::vector<std::byte> decoded(chunk.header.decoded_bytes);
+  const std::size_t got = ZSTD_decompress(decoded.data(), decoded.size(), stored.data(), stored.size());
+  if (ZSTD_isError(got) != 0) {
+    fail_reading(std::string("zstd: ") + ZSTD_getErrorName(got), chunk.offset + kChunkHeaderBytes, name, "payload");
+  }
+  if (got != decoded.size()) {
+    fail_reading("the payload decodes to " + std::to_string(got) + " bytes", chunk.offset + 24, name, "decoded_bytes");
+  }
+  return decoded;
+}
+
+// One zlib stream (RFC 1950), which must fill exactly decoded_bytes and end with the stored bytes.
+std::vector<std::byte> decode_zlib(std::span<const std::byte> stored, const ChunkAt& chunk, const std::string& name) {
+  const std::uint64_t payload = chunk.offset + kChunkHeaderBytes;
+  z_stream stream{};
+  if (::inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> ended(&stream, &::inflateEnd);
+  // A byte more than should come, so that a stream that goes on is seen to. zlib counts in 32 bits: parts of 1 GiB.
+  std::vector<std::byte> decoded(chunk.header.decoded_bytes + 1);
+  constexpr std::size_t kPart = std::size_t{1} << 30;
+  std::size_t read = 0, written = 0;
+  int status = Z_OK;
+  while (status == Z_OK) {
+    const std::size_t in = std::min(kPart, stored.size() - read), out = std::min(kPart, decoded.size() - written);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(stored.data() + read));  // zlib only reads it
+    stream.avail_in = static_cast<uInt>(in);
+    stream.next_out = reinterpret_cast<Bytef*>(decoded.data() + written);
+    stream.avail_out = static_cast<uInt>(out);
+    status = ::inflate(&stream, Z_NO_FLUSH);
+    read += in - stream.avail_in;
+    written += out - stream.avail_out;
+    if (written > chunk.header.decoded_bytes) {
+      fail_reading("the payload decodes to more", chunk.offset + 24, name, "decoded_bytes");
+    }
+  }
+  if (status == Z_BUF_ERROR) fail_reading("zlib: the stream does not end", payload + read, name, "payload");
+  if (status == Z_NEED_DICT) fail_reading("zlib: a dictionary is asked for", payload, name, "payload");
+  if (status != Z_STREAM_END) {
+    fail_reading(std::string("zlib: ") + (stream.msg != nullptr ? stream.msg : "damaged"), payload + read, name,
+                 "payload");
+  }
+  if (read != stored.size()) {
+    fail_reading(std::to_string(stored.size() - read) + " bytes follow the zlib stream", payload + read, name,
+                 "payload");
+  }
+  if (written != chunk.header.decoded_bytes) {
+    fail_reading("the payload decodes to " + std::to_string(written) + " bytes", chunk.offset + 24, name,
+                 "decoded_bytes");
+  }
+  decoded.pop_back();
+  return decoded;
 }
 
 }  // namespace
@@ -152,21 +240,15 @@ ChunkList list_chunks(std::span<const std::byte> file, const ReadLimits& limits)
   if (file.size() < kHeaderBytes + kChunkHeaderBytes + kFooterBytes) {
     fail_reading("the file is truncated to " + std::to_string(file.size()) + " bytes", file.size(), "", "");
   }
-  const auto version = load<std::uint32_t>(file, 8);
-  if (version < kOldestVersion || version > kNewestVersion) {
-    fail_reading("version " + std::to_string(version) + ", this program reads " + std::to_string(kOldestVersion) +
-                     " and " + std::to_string(kNewestVersion),
-                 8, "header", "version");
-  }
-  if (load<std::uint32_t>(file, 12) != 0) fail_reading("not 0", 12, "header", "flags");
-  const std::uint64_t index_offset = checked_footer(file);
+  const FileKind kind = checked_kind(file);
+  const std::uint64_t index_offset = checked_footer(file, kind.checksum);
 
   std::vector<ChunkAt> chunks;
   std::uint64_t decoded_bytes = 0;
   std::uint64_t offset = kHeaderBytes;
   while (offset < index_offset) {
     if (index_offset - offset < kChunkHeaderBytes) fail_reading("no room for a chunk header", offset, "", "");
-    const ChunkAt chunk{load_header(file, offset, index_offset), offset};
+    const ChunkAt chunk{load_header(file, offset, index_offset, kind), offset, kind.checksum};
     require_order(chunk, chunks);
     const std::string name = chunk_name(chunk.header.type, chunk.header.id);
     if (chunk.header.decoded_bytes > limits.decoded_bytes - decoded_bytes) {
@@ -181,30 +263,20 @@ ChunkList list_chunks(std::span<const std::byte> file, const ReadLimits& limits)
     chunks.push_back(chunk);
     offset = aligned(end);
   }
-  require_index(file, index_offset, chunks);
-  return {version, std::move(chunks)};
+  require_index(file, index_offset, chunks, kind);
+  return {kind.version, std::move(chunks)};
 }
 
 std::vector<std::byte> decode_chunk(std::span<const std::byte> file, const ChunkAt& chunk) {
   const std::string name = chunk_name(chunk.header.type, chunk.header.id);
   const auto stored = file.subspan(chunk.offset + kChunkHeaderBytes, chunk.header.stored_bytes);
-  if (!checksum_holds(chunk.header.checksum, checksum_of(file.subspan(chunk.offset, kChunkHeaderBytes - 8), stored))) {
+  const auto head = file.subspan(chunk.offset, kChunkHeaderBytes - 8);
+  if (!checksum_holds(chunk.header.checksum, checksum_of(head, stored, chunk.checksum))) {
     fail_reading("the chunk's bytes are damaged", chunk.offset + 32, name, "checksum");
   }
   if (chunk.header.codec == Codec::raw) return {stored.begin(), stored.end()};
-  // The frame's own size is asked first: memory is taken only when it says the same as the header.
-  if (ZSTD_getFrameContentSize(stored.data(), stored.size()) != chunk.header.decoded_bytes) {
-    fail_reading("differs from the compressed payload's own size", chunk.offset + 24, name, "decoded_bytes");
-  }
-  std::vector<std::byte> decoded(chunk.header.decoded_bytes);
-  const std::size_t got = ZSTD_decompress(decoded.data(), decoded.size(), stored.data(), stored.size());
-  if (ZSTD_isError(got) != 0) {
-    fail_reading(std::string("zstd: ") + ZSTD_getErrorName(got), chunk.offset + kChunkHeaderBytes, name, "payload");
-  }
-  if (got != decoded.size()) {
-    fail_reading("the payload decodes to " + std::to_string(got) + " bytes", chunk.offset + 24, name, "decoded_bytes");
-  }
-  return decoded;
+  if (chunk.header.codec == Codec::zlib) return decode_zlib(stored, chunk, name);
+  return decode_zstd(stored, chunk, name);
 }
 
 const std::byte* FieldReader::take(std::size_t size, std::string_view field) {

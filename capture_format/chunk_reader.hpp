@@ -19,10 +19,11 @@ namespace subpixel::capture {
 struct ChunkAt {
   ChunkHeader header;
   std::uint64_t offset = 0;  // of the chunk's header in the file
+  Checksum checksum = Checksum::xxh3_64;
 };
 
 struct ChunkList {
-  std::uint32_t version = 0;    // of the file, kOldestVersion to kNewestVersion
+  std::uint32_t version = kOldestVersion;
   std::vector<ChunkAt> chunks;  // all but the index, in file order
 };
 
@@ -32,7 +33,7 @@ std::string chunk_name(ChunkType type, std::uint32_t id);
 [[noreturn]] void fail_reading(const std::string& why, std::uint64_t offset, const std::string& chunk,
                                std::string_view field);
 
-// Checks everything outside payloads: magic, version, footer, index against
+// Checks everything outside payloads: magic, version, flags, footer, index against
 // the chunks themselves, order and numbering, sizes against the file, padding, and that the decoded sizes together
 // stay within the limits. Payload checksums are left to decode_chunk().
 ChunkList list_chunks(std::span<const std::byte> file, const ReadLimits& limits);

@@ -28,7 +28,8 @@ TEST(CaptureHostile, ChunkHeaders) {
   EXPECT_REFUSED(refused_after(0, std::uint32_t{0x41414141}), "unknown chunk type");
   EXPECT_REFUSED(refused_after(0, ChunkType::metadata), "stands after a later kind");
   EXPECT_REFUSED(refused_after(4, std::uint32_t{7}), "out of sequence");
-  EXPECT_REFUSED(refused_after(8, std::uint32_t{2}), "unknown codec");
+  EXPECT_REFUSED(refused_after(8, std::uint32_t{2}), "version 1 knows no zlib");
+  EXPECT_REFUSED(refused_after(8, std::uint32_t{3}), "unknown codec");
   EXPECT_REFUSED(refused_after(12, std::uint32_t{1}), "field reserved");
   EXPECT_REFUSED(refused_after(16, std::numeric_limits<std::uint64_t>::max()), "field stored_bytes");
   EXPECT_REFUSED(refused_after(16, std::uint64_t{1} << 40), "field stored_bytes");
