@@ -56,7 +56,6 @@ void record_driver_depth(gpu::PassRecorder& recorder, GpuScene& scene, Frontend&
   gpu::RasterPass pass;
   pass.name = fmt::format("driver {}x depth", static_cast<int>(samples));
   pass.pipeline.vertex = "bench/plain.vert";
-  pass.pipeline.targets.depth = VK_FORMAT_D32_SFLOAT;
   pass.pipeline.targets.samples = samples;
   pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_GREATER;

@@ -93,11 +93,12 @@ Parameter shading_parameter() {
 
 gpu::Constants common_constants(const FrameSetup& setup) {
   const std::string alpha = setup.choice("alpha");
-  return {{2, setup.choice("shading") == "blinn_phong" ? 1u : 0u},
-          {3, alpha == "test"         ? 1u
-              : alpha == "per_sample" ? 2u
-                                      : 0u},
-          {5, setup.choice("resolve") == "tone_mapped" ? 1u : 0u}};
+  return {{CONSTANT_SHADING_MODEL,
+           setup.choice("shading") == "blinn_phong" ? SHADING_MODEL_BLINN_PHONG : SHADING_MODEL_GGX},
+          {CONSTANT_ALPHA_MODE, alpha == "test"         ? ALPHA_MODE_TEST
+                                : alpha == "per_sample" ? ALPHA_MODE_PER_SAMPLE
+                                                        : ALPHA_MODE_TO_COVERAGE},
+          {CONSTANT_RESOLVE, setup.choice("resolve") == "tone_mapped" ? 1u : 0u}};
 }
 
 double fitted_surface_bits(SceneFeatures features) {

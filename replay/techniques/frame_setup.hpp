@@ -45,7 +45,7 @@ Parameter condition_parameter(std::string_view name, std::string_view doc);
 Parameter alpha_parameter();
 Parameter resolve_parameter();
 Parameter shading_parameter();
-// Specialization constants those parameters set: 2 shading model, 3 alpha decision, 5 resolve.
+// Specialization constants those parameters set: shading model, alpha mode, resolve.
 gpu::Constants common_constants(const FrameSetup& setup);
 
 // Bits a surface of this scene takes in a G-buffer that holds only what the scene needs, without depth.

@@ -3,6 +3,7 @@
 // needs no geometry memory and can't show what one sample a pixel missed.
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "shaders/techniques/fxaa/fxaa_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -26,19 +27,16 @@ void record_filter(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Im
   setup.outputs.maps.emplace_back("changed", &changed);
 
   gpu::RasterPass pass = lighting_pass(setup, "filter", "techniques/fxaa/filter.frag");
-  pass.pipeline.targets.colours = {setup.outputs.radiance->description().format,
-                                   setup.outputs.display->description().format, output.format};
   pass.pipeline.targets.clear = true;
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}, {changed}};
   pass.clear_colours = {{}, {}, {}};
-  pass.bindings.push_back(gpu::samples(0, unfiltered));
-  pass.bindings.push_back(gpu::samples(1, values));
-  struct {
-    float relative_threshold, least_contrast, blur;
-    std::uint32_t steps;
-  } const push{static_cast<float>(setup.number("edge_threshold")), static_cast<float>(setup.number("least_contrast")),
-               static_cast<float>(setup.number("blur")), setup.parameters.at("search_steps").get<std::uint32_t>()};
-  pass.push = gpu::PushConstants(push);
+  pass.bindings.push_back(gpu::samples(FXAA_SLOT_DISPLAYED, unfiltered));
+  pass.bindings.push_back(gpu::samples(FXAA_SLOT_VALUES, values));
+  pass.push =
+      gpu::PushConstants(gpu_types::FxaaPush{.relative_threshold = static_cast<float>(setup.number("edge_threshold")),
+                                             .least_contrast = static_cast<float>(setup.number("least_contrast")),
+                                             .blur = static_cast<float>(setup.number("blur")),
+                                             .steps = setup.parameters.at("search_steps").get<std::uint32_t>()});
   recorder.raster(std::move(pass));
 }
 

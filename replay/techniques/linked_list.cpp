@@ -13,7 +13,7 @@
 #include "replay/frontend/list_passes.hpp"
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/techniques/linked_list/linked_list_types.h"
+#include "shaders/techniques/linked_list/linked_list_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -44,9 +44,10 @@ bool by_blocks(const FrameSetup& setup) {
 }
 
 gpu::Constants list_constants(const FrameSetup& setup) {
-  return {{10, allocation(setup)},
-          {11, setup.choice("first_block") == "covered" ? LINK_FIRST_COVERED : LINK_FIRST_SAMPLE},
-          {12, by_blocks(setup) ? LINK_LIGHT_BLOCKS : LINK_LIGHT_LISTS}};
+  return {
+      {LINK_CONSTANT_ALLOCATION, allocation(setup)},
+      {LINK_CONSTANT_FIRST_BLOCK, setup.choice("first_block") == "covered" ? LINK_FIRST_COVERED : LINK_FIRST_SAMPLE},
+      {LINK_CONSTANT_LIGHTING, by_blocks(setup) ? LINK_LIGHT_BLOCKS : LINK_LIGHT_LISTS}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
@@ -70,18 +71,14 @@ MemoryLayout layout(const FrameSetup& setup) {
 
 // What all passes of one frame share.
 struct Lists {
-  gpu::Buffer* parameters = nullptr;  // a LinkPool
-  gpu::Buffer* blocks = nullptr;
-  gpu::Buffer* owners = nullptr;  // with lighting by blocks
+  gpu::AddressTable* pool = nullptr;  // a LinkPool
   gpu::Image* visibility = nullptr;
 };
 
 template <typename Pass>
 void bind(Pass& pass, const Lists& lists) {
-  pass.bindings.push_back(gpu::samples(0, *lists.visibility));
-  pass.bindings.push_back(gpu::writes(0, *lists.parameters));
-  pass.by_address.push_back(lists.blocks);
-  if (lists.owners) pass.by_address.push_back(lists.owners);
+  pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, *lists.visibility));
+  pass.bindings.push_back(gpu::writes(LINK_SLOT_POOL, *lists.pool));
 }
 
 gpu::RasterPass fullscreen_pass(const FrameSetup& setup, std::string name, std::string fragment) {
@@ -114,14 +111,13 @@ void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   gpu::Buffer& needed = recorder.buffer("blocks by tile", (std::uint64_t{sums} + 1) * 16);
   gpu::Image& leaders = map_image(recorder, setup, "leaders");
   gpu::RasterPass find = fullscreen_pass(setup, kLink, "techniques/linked_list/leaders.frag");
-  find.pipeline.targets.colours = {leaders.description().format};
   find.colours = {{leaders}};
   bind(find, lists);
   recorder.raster(std::move(find));
 
   pass.shader = "techniques/linked_list/count.comp";
-  pass.bindings.push_back(gpu::samples(2, leaders));
-  pass.bindings.push_back(gpu::writes(1, needed));
+  pass.bindings.push_back(gpu::samples(LINK_SLOT_LEADERS, leaders));
+  pass.bindings.push_back(gpu::writes(LINK_SLOT_TILE_SUMS, needed));
   pass.groups = {(tiles + 63) / 64, 1, 1};
   recorder.compute(pass);
 
@@ -154,7 +150,7 @@ void record_block_lighting(gpu::PassRecorder& recorder, gpu::Buffer& frame_const
   pass.constants = shading.pipeline.constants;
   pass.bindings = {gpu::uniform(frame_constants)};
   bind(pass, lists);
-  pass.bindings.push_back(gpu::writes(1, groups));
+  pass.bindings.push_back(gpu::writes(LINK_SLOT_GROUPS, groups));
   recorder.compute(std::move(pass));
 
   gpu::ComputePass light;
@@ -175,7 +171,6 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/linked_list/shade.frag");
   append(pass.pipeline.constants, list_constants(setup));
   if (by_blocks(setup)) record_block_lighting(recorder, setup.scene.frame_constants, lists, pass);
-  pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
   bind(pass, lists);
   recorder.raster(std::move(pass));
@@ -189,20 +184,19 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lis
     setup.outputs.maps.emplace_back(name, maps.back());
   }
   gpu::RasterPass pass = fullscreen_pass(setup, "maps", "techniques/linked_list/maps.frag");
-  pass.pipeline.targets.colours.assign(maps.size(), VK_FORMAT_R32_UINT);
   for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
   bind(pass, lists);
-  recorder.host([&device = recorder.device(), &counters = setup.outputs.counters, parameters = lists.parameters,
-                 pass = std::move(pass)] {
-    gpu::PassRecorder own(device);
-    own.raster(pass);
-    own.run();
-    const auto pool = parameters->as<gpu_types::LinkPool>()[0];
-    counters["blocks_wanted"] = pool.allocated;  // dynamic ones
-    counters["blocks_used"] = std::min(pool.allocated, pool.capacity);
-    counters["blocks_available"] = pool.capacity;
-    counters["overflowed_fragments"] = pool.allocated - std::min(pool.allocated, pool.capacity);
-  });
+  recorder.host(
+      [&device = recorder.device(), &counters = setup.outputs.counters, table = lists.pool, pass = std::move(pass)] {
+        gpu::PassRecorder own(device);
+        own.raster(pass);
+        own.run();
+        const auto pool = table->buffer().as<gpu_types::LinkPool>()[0];
+        counters["blocks_wanted"] = pool.allocated;  // dynamic ones
+        counters["blocks_used"] = std::min(pool.allocated, pool.capacity);
+        counters["blocks_available"] = pool.capacity;
+        counters["overflowed_fragments"] = pool.allocated - std::min(pool.allocated, pool.capacity);
+      });
 }
 
 void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
@@ -244,15 +238,14 @@ void record_linked_list(gpu::PassRecorder& recorder, const FrameSetup& setup, co
   setup.frontend.record_setup(recorder);
   Lists lists;
   lists.visibility = &record_visibility(recorder, setup);
-  lists.blocks = pool.buffer;
-  if (by_blocks(setup)) lists.owners = &recorder.buffer("block owners", pool.dynamic_blocks * 4);
-  lists.parameters = &recorder.buffer("lists", sizeof(gpu_types::LinkPool));
-  lists.parameters->as<gpu_types::LinkPool>()[0] = {pool.buffer->address() + pool.first_byte,
-                                                    lists.owners ? lists.owners->address() : 0,
-                                                    static_cast<std::uint32_t>(pool.dynamic_blocks),
-                                                    0,
-                                                    setup.width,
-                                                    setup.height};
+  gpu::Buffer* owners = by_blocks(setup) ? &recorder.buffer("block owners", pool.dynamic_blocks * 4) : nullptr;
+  lists.pool = &recorder.address_table("lists", sizeof(gpu_types::LinkPool));
+  lists.pool->set(gpu_types::LinkPool{.words = lists.pool->of(*pool.buffer) + pool.first_byte,
+                                      .owners = owners ? lists.pool->of(*owners) : 0,
+                                      .capacity = static_cast<std::uint32_t>(pool.dynamic_blocks),
+                                      .allocated = 0,
+                                      .width = setup.width,
+                                      .height = setup.height});
   record_allocation(recorder, setup, lists);
   record_geometry(recorder, setup, lists);
   record_shading(recorder, setup, lists);

@@ -10,7 +10,7 @@
 
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/frontend/frontend_types.h"
+#include "shaders/techniques/sbaa/sbaa_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -39,29 +39,24 @@ MemoryLayout layout(const FrameSetup& setup) {
 gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   Frontend& frontend = setup.frontend;
   GpuScene& scene = setup.scene;
-  gpu::Buffer& faces =
-      recorder.buffer("triangle faces", frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 8);
+  gpu::Buffer& faces = recorder.buffer(
+      "triangle faces", frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * SBAA_FACE_BYTES);
   constexpr std::uint32_t kRow = 1024;  // workgroups of 64 in x
   const auto groups = static_cast<std::uint32_t>((frontend.hull_triangles() + 63) / 64);
-  struct {
-    std::uint64_t hulls, records, positions, indices, instances, faces;
-    std::uint32_t hull_triangles, row;
-  } const push{frontend.hull_indices().address(),
-               frontend.records().address(),
-               scene.positions.address(),
-               scene.indices.address(),
-               scene.instances.address(),
-               faces.address(),
-               static_cast<std::uint32_t>(frontend.hull_triangles()),
-               64 * kRow};
   gpu::ComputePass pass;
   pass.name = "normals";
   pass.shader = "techniques/sbaa/triangles.comp";
   pass.constants = frontend.constants();
   pass.bindings = {gpu::uniform(scene.frame_constants)};
-  pass.by_address = {&frontend.hull_indices(), &frontend.records(), &scene.positions,
-                     &scene.indices,           &scene.instances,    &faces};
-  pass.push = gpu::PushConstants(push);
+  pass.push = gpu::PushConstants(
+      gpu_types::SbaaTrianglesPush{.hulls = pass.reads(frontend.hull_indices()),
+                                   .records = pass.reads(frontend.records()),
+                                   .positions = pass.reads(scene.positions),
+                                   .indices = pass.reads(scene.indices),
+                                   .instances = pass.reads(scene.instances),
+                                   .faces = pass.writes(faces),
+                                   .hull_triangles = static_cast<std::uint32_t>(frontend.hull_triangles()),
+                                   .row = 64 * kRow});
   pass.groups = {std::min(groups, kRow), (groups + kRow - 1) / kRow, 1};
   recorder.compute(std::move(pass));
   return faces;
@@ -81,19 +76,14 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   setup.outputs.maps.emplace_back("surfaces", &count);
   setup.outputs.maps.emplace_back("dropped", &dropped);
   gpu::RasterPass analyse = lighting_pass(setup, "analyse", "techniques/sbaa/analyse.frag");
-  analyse.pipeline.constants.emplace_back(7, kept);
-  analyse.pipeline.constants.emplace_back(8, merges(setup) ? 1 : 0);
-  analyse.pipeline.targets.colours = {kWords, count.description().format, dropped.description().format};
+  analyse.pipeline.constants.emplace_back(SBAA_CONSTANT_SURFACES, kept);
+  analyse.pipeline.constants.emplace_back(SBAA_CONSTANT_MERGE, merges(setup) ? 1 : 0);
   analyse.pipeline.targets.clear = true;
   analyse.colours = {{stored}, {count}, {dropped}};
   analyse.clear_colours = {{}, {}, {}};
-  analyse.bindings.push_back(gpu::samples(0, visibility));
-  analyse.by_address = {&faces};
-  struct {
-    std::uint64_t faces;
-    float cosine;
-  } const push{faces.address(), static_cast<float>(std::cos(setup.number("normal_angle")))};
-  analyse.push = gpu::PushConstants(push);
+  analyse.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
+  analyse.push = gpu::PushConstants(gpu_types::SbaaAnalysePush{
+      .faces = analyse.reads(faces), .cosine = static_cast<float>(std::cos(setup.number("normal_angle")))});
   recorder.raster(std::move(analyse));
 
   const bool narrow = narrow_samples(setup);
@@ -106,19 +96,20 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   geometry.pass.name = "surfaces";
   geometry.pass.size = {setup.width, setup.height};
   geometry.pass.pipeline.constants = common_constants(setup);
-  geometry.pass.pipeline.constants.emplace_back(7, kept);
-  geometry.pass.bindings = {gpu::samples(0, visibility), gpu::samples(1, stored), gpu::image_writes(0, gbuffer)};
+  geometry.pass.pipeline.constants.emplace_back(SBAA_CONSTANT_SURFACES, kept);
+  geometry.pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(SBAA_SLOT_SURFACES, stored),
+                            gpu::image_writes(SBAA_SLOT_STORED, gbuffer)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
 
   gpu::Image& sum = sum_image(recorder, setup);
   gpu::RasterPass shade = lighting_pass(setup, "shade", "techniques/sbaa/shade.frag");
-  shade.pipeline.constants.emplace_back(7, kept);
-  shade.pipeline.targets.colours = {sum.description().format};
+  shade.pipeline.constants.emplace_back(SBAA_CONSTANT_SURFACES, kept);
   shade.pipeline.targets.clear = true;
   shade.colours = {{sum}};
   shade.clear_colours = {{}};
-  shade.bindings.insert(shade.bindings.end(), {gpu::samples(0, visibility), gpu::samples(1, stored),
-                                               gpu::samples(2, gbuffer), gpu::samples(3, dropped)});
+  shade.bindings.insert(shade.bindings.end(),
+                        {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(SBAA_SLOT_SURFACES, stored),
+                         gpu::samples(SBAA_SLOT_GBUFFER, gbuffer), gpu::samples(SBAA_SLOT_DROPPED, dropped)});
   recorder.raster(std::move(shade));
   record_resolve(recorder, setup, sum);
 }

@@ -4,6 +4,7 @@
 // list, so that the lanes of a group all have n samples to shade.
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "shaders/techniques/simple_complex/simple_complex_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -26,19 +27,15 @@ gpu::Image& record_classification(gpu::PassRecorder& recorder, const FrameSetup&
   gpu::Image& flags = map_image(recorder, setup, "complex");
   setup.outputs.maps.emplace_back("complex", &flags);
   gpu::RasterPass pass = lighting_pass(setup, "classify", "techniques/simple_complex/classify.frag");
-  pass.pipeline.targets.colours = {flags.description().format};
   pass.pipeline.targets.clear = true;
   pass.colours = {{flags}};
   pass.clear_colours = {{}};
-  pass.bindings.push_back(gpu::samples(0, visibility));
-  pass.bindings.push_back(gpu::samples(1, gbuffer));
-  pass.by_address = {&setup.frontend.records()};
-  struct {
-    std::uint64_t records;
-    float depth_scale, least_cosine;
-  } const push{setup.frontend.records().address(), static_cast<float>(setup.number("depth_threshold")),
-               static_cast<float>(setup.number("normal_threshold"))};
-  pass.push = gpu::PushConstants(push);
+  pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
+  pass.bindings.push_back(gpu::samples(SHADE_SLOT_GBUFFER, gbuffer));
+  pass.push = gpu::PushConstants(
+      gpu_types::SimpleComplexClassifyPush{.records = pass.reads(setup.frontend.records()),
+                                           .depth_scale = static_cast<float>(setup.number("depth_threshold")),
+                                           .least_cosine = static_cast<float>(setup.number("normal_threshold"))});
   recorder.raster(std::move(pass));
   return flags;
 }
@@ -56,13 +53,12 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   gpu::RasterPass simple = lighting_pass(
       setup, "shade simple",
       compact ? "techniques/simple_complex/simple.frag:SIMPLE" : "techniques/simple_complex/simple.frag:BOTH");
-  simple.pipeline.targets.colours = {sum.description().format};
   simple.pipeline.targets.clear = true;
   simple.colours = {{sum}};
   simple.clear_colours = {{}};
-  simple.bindings.push_back(gpu::samples(0, visibility));
-  simple.bindings.push_back(gpu::samples(1, gbuffer));
-  simple.bindings.push_back(gpu::samples(2, flags));
+  simple.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
+  simple.bindings.push_back(gpu::samples(SHADE_SLOT_GBUFFER, gbuffer));
+  simple.bindings.push_back(gpu::samples(SIMPLE_COMPLEX_SLOT_FLAGS, flags));
   const std::vector<gpu::Binding> lights = lighting_pass(setup, "", "").bindings;
   const gpu::Constants constants = simple.pipeline.constants;
   recorder.raster(std::move(simple));
@@ -74,8 +70,10 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
     complex.shader = "techniques/simple_complex/complex.comp";
     complex.constants = constants;
     complex.bindings = lights;
-    complex.bindings.insert(complex.bindings.end(), {gpu::samples(0, visibility), gpu::samples(1, gbuffer),
-                                                     gpu::reads(0, *list.pixels), gpu::image_writes(0, sum)});
+    complex.bindings.insert(
+        complex.bindings.end(),
+        {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(SHADE_SLOT_GBUFFER, gbuffer),
+         gpu::reads(DEFERRED_SLOT_PIXEL_LIST, *list.pixels), gpu::image_writes(SIMPLE_COMPLEX_SLOT_SUM, sum)});
     complex.indirect = list.groups;
     recorder.compute(std::move(complex));
   }

@@ -19,6 +19,7 @@
 #include "replay/frontend/visibility.hpp"
 #include "shaders/frontend/frontend_types.h"
 #include "shaders/frontend/sample_patterns.h"
+#include "shaders/tests/test_interface.h"
 
 namespace subpixel::replay {
 
@@ -224,8 +225,8 @@ class FrontendRun {
     gpu::ComputePass read;
     read.name = "read";
     read.shader = "tests/read_visibility.comp";
-    read.constants = {{0, samples}};
-    read.bindings = {gpu::samples(0, *visibility), gpu::writes(0, buffer_)};
+    read.constants = {{CONSTANT_SAMPLES, samples}};
+    read.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, *visibility), gpu::writes(TEST_SLOT_SAMPLES, buffer_)};
     read.groups = {(width * height + 63) / 64, 1, 1};
     recorder.compute(std::move(read));
   }

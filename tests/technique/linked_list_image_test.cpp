@@ -1,7 +1,7 @@
 // `linked_list`: its images beside those of forward shading and of full samples, and the publication's table of memory.
 #include <numeric>
 
-#include "shaders/techniques/linked_list/linked_list_types.h"
+#include "shaders/techniques/linked_list/linked_list_interface.h"
 #include "tests/technique/technique_run.hpp"
 
 namespace subpixel::replay {
