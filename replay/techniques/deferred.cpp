@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/frontend/list_passes.hpp"
 #include "shaders/deferred/deferred_interface.h"
 #include "shaders/shade/shade_interface.h"
