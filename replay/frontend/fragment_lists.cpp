@@ -113,7 +113,9 @@ gpu_types::ListAddresses FragmentLists::writes(gpu::AddressUses& pass) const {
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name, ListedMasks masks) {
   Frontend& frontend = setup.frontend;
-  if (setup.choice("order") != "lists" || groups_of(frontend.small_count(true)) + 64 > kMostGroups) return std::nullopt;
+  if (dynamic_cast<const OrderedParameters&>(setup.common).order != FragmentOrder::lists ||
+      groups_of(frontend.small_count(true)) + 64 > kMostGroups)
+    return std::nullopt;
   FragmentLists lists;
   {
     gpu::PassRecorder sizing(setup.frontend.device());
@@ -159,14 +161,6 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
   record_collection(recorder, setup, lists, name, masks, "STORE");
   setup.outputs.counters["listed_fragments"] = lists.count;
   return lists;
-}
-
-Parameter order_parameter() {
-  return choice_parameter(
-      "order",
-      "how fragments come in submission order: as lists by pixel where frames are not too deep, or "
-      "in one ordered geometry pass, as published; both leave the same bits, but for masks that a table makes",
-      {"lists", "one_pass"});
 }
 
 void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,

@@ -48,13 +48,14 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
 
 extern const Technique kForward;
 
-const Technique kForward{
-    "forward",
-    "Forward MSAA, one shading per visible fragment",
-    "Akeley: RealityEngine graphics. SIGGRAPH 1993",
-    {samples_parameter({4, 8, 16, 32, 64}, 8), alpha_parameter(), resolve_parameter(), shading_parameter()},
-    {},
-    layout,
-    record};
+const Technique kForward = TechniqueOf<CommonParameters>{
+    .name = "forward",
+    .title = "Forward MSAA, one shading per visible fragment",
+    .paper = "Akeley: RealityEngine graphics. SIGGRAPH 1993",
+    .fields = {field::samples({4, 8, 16, 32, 64}), field::alpha(), field::resolve(), field::shading()},
+    .maps = {},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

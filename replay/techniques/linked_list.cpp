@@ -33,28 +33,26 @@ std::uint64_t pair_words(const FrameSetup& setup) {
   return LINK_PAIR_WORDS - (shared ? 0 : 1) + (features.has(FEATURE_EMISSIVE) ? 2 : 0);
 }
 
-std::uint32_t allocation(const FrameSetup& setup) {
-  const std::string name = setup.choice("allocation");
-  return name == "atomic" ? LINK_ALLOCATE_ATOMIC : name == "tiles" ? LINK_ALLOCATE_TILES : LINK_ALLOCATE_LARGEST;
+std::uint32_t allocation(const LinkedListSetup& setup) {
+  return static_cast<std::uint32_t>(setup.parameters.allocation);
 }
 
-bool by_blocks(const FrameSetup& setup) {
+bool by_blocks(const LinkedListSetup& setup) {
   constexpr std::uint32_t kSide = 1u << LINK_OWNER_SIDE_BITS;  // larger images are lit by lists
-  return setup.choice("lighting") == "blocks" && setup.width <= kSide && setup.height <= kSide;
+  return setup.parameters.lighting == BlockLighting::blocks && setup.width <= kSide && setup.height <= kSide;
 }
 
-gpu::Constants list_constants(const FrameSetup& setup) {
-  return {
-      {LINK_CONSTANT_ALLOCATION, allocation(setup)},
-      {LINK_CONSTANT_FIRST_BLOCK, setup.choice("first_block") == "covered" ? LINK_FIRST_COVERED : LINK_FIRST_SAMPLE},
-      {LINK_CONSTANT_LIGHTING, by_blocks(setup) ? LINK_LIGHT_BLOCKS : LINK_LIGHT_LISTS}};
+gpu::Constants list_constants(const LinkedListSetup& setup) {
+  return {{LINK_CONSTANT_ALLOCATION, allocation(setup)},
+          {LINK_CONSTANT_FIRST_BLOCK, static_cast<std::uint32_t>(setup.parameters.first_block)},
+          {LINK_CONSTANT_LIGHTING, by_blocks(setup) ? LINK_LIGHT_BLOCKS : LINK_LIGHT_LISTS}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
   constants.insert(constants.end(), more.begin(), more.end());
 }
 
-MemoryLayout layout(const FrameSetup& setup) {
+MemoryLayout layout(const LinkedListSetup& setup) {
   const double n = setup.samples, per_pixel = 1.0 / static_cast<double>(pixels(setup));
   const double dynamic = static_cast<double>(linked_list_dynamic_blocks(setup)) * per_pixel;
   // What the frame used of the pool, once it has been replayed.
@@ -81,7 +79,7 @@ void bind(Pass& pass, const Lists& lists) {
   pass.bindings.push_back(gpu::writes(LINK_SLOT_POOL, *lists.pool));
 }
 
-gpu::RasterPass fullscreen_pass(const FrameSetup& setup, std::string name, std::string fragment) {
+gpu::RasterPass fullscreen_pass(const LinkedListSetup& setup, std::string name, std::string fragment) {
   gpu::RasterPass pass;
   pass.name = std::move(name);
   pass.pipeline.vertex = "shade/fullscreen.vert";
@@ -92,7 +90,7 @@ gpu::RasterPass fullscreen_pass(const FrameSetup& setup, std::string name, std::
   return pass;
 }
 
-void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+void record_allocation(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
   gpu::ComputePass pass;
   pass.name = kLink;
   pass.constants = setup.frontend.constants();
@@ -127,7 +125,7 @@ void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   recorder.compute(std::move(pass));
 }
 
-void record_geometry(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+void record_geometry(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
   Frontend::GeometryPass geometry;
   geometry.by_material = true;
   geometry.fragment_opaque = "techniques/linked_list/gbuffer.frag";
@@ -163,7 +161,7 @@ void record_block_lighting(gpu::PassRecorder& recorder, gpu::Buffer& frame_const
   recorder.compute(std::move(light));
 }
 
-void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+void record_shading(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
   const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
                                      kTarget,  false};
   setup.outputs.radiance = &recorder.image(output);
@@ -177,7 +175,7 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
 }
 
 // In a host step and once, as every run of a deterministic allocation leaves the same: they cost the technique no time.
-void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+void record_maps(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
   std::vector<gpu::Image*> maps;
   for (const char* name : {"blocks", "overflow", "leaks"}) {
     maps.push_back(&map_image(recorder, setup, name));
@@ -199,30 +197,19 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lis
       });
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+void record(gpu::PassRecorder& recorder, const LinkedListSetup& setup) {
   const std::uint64_t dynamic = linked_list_dynamic_blocks(setup);
   record_linked_list(recorder, setup, {&recorder.buffer("blocks", linked_list_pool_bytes(setup, dynamic)), 0, dynamic});
 }
 
-Parameter pool_parameter() {
-  Parameter p;
-  p.name = "pool";
-  p.kind = ParameterKind::number;
-  p.doc = "dynamic blocks at most, in pool_unit; those of a pixel beyond samples - 1 are never needed nor made";
-  p.minimum = 0;
-  p.maximum = 1e9;
-  p.default_value = static_cast<double>(LINK_MAX_SAMPLES - 1);
-  return p;
-}
-
 }  // namespace
 
-std::uint64_t linked_list_dynamic_blocks(const FrameSetup& setup) {
-  const std::string unit = setup.choice("pool_unit");
-  const double pool = setup.number("pool");
-  const double blocks = unit == "blocks" ? pool
-                        : unit == "mib"  ? pool * kMib * 8 / static_cast<double>(16 * pair_words(setup))
-                                         : pool * static_cast<double>(pixels(setup));
+std::uint64_t linked_list_dynamic_blocks(const LinkedListSetup& setup) {
+  const PoolUnit unit = setup.parameters.pool_unit;
+  const double pool = setup.parameters.pool;
+  const double blocks = unit == PoolUnit::blocks ? pool
+                        : unit == PoolUnit::mib  ? pool * kMib * 8 / static_cast<double>(16 * pair_words(setup))
+                                                 : pool * static_cast<double>(pixels(setup));
   // A chosen sample that shows the sky leaves up to samples - 1 others, like one that doesn't.
   const std::uint64_t useful = (setup.samples - 1) * pixels(setup);
   constexpr std::uint64_t kIndices = std::uint64_t{1} << LINK_INDEX_BITS;
@@ -230,11 +217,11 @@ std::uint64_t linked_list_dynamic_blocks(const FrameSetup& setup) {
   return std::min({static_cast<std::uint64_t>(std::floor(blocks)), useful, reachable});
 }
 
-std::uint64_t linked_list_pool_bytes(const FrameSetup& setup, std::uint64_t dynamic_blocks) {
+std::uint64_t linked_list_pool_bytes(const LinkedListSetup& setup, std::uint64_t dynamic_blocks) {
   return (pixels(setup) + dynamic_blocks + 1) / 2 * pair_words(setup) * 4;
 }
 
-void record_linked_list(gpu::PassRecorder& recorder, const FrameSetup& setup, const LinkedListPool& pool) {
+void record_linked_list(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const LinkedListPool& pool) {
   setup.frontend.record_setup(recorder);
   Lists lists;
   lists.visibility = &record_visibility(recorder, setup);
@@ -254,27 +241,36 @@ void record_linked_list(gpu::PassRecorder& recorder, const FrameSetup& setup, co
 
 extern const Technique kLinkedList;
 
-const Technique kLinkedList{
-    "linked_list",
-    "Per-pixel linked lists",
-    "Fridvalszky, Toth: Multisample Anti-Aliasing in Deferred Rendering. Eurographics 2020 short papers",
-    {samples_parameter({2, 4, 8}, 8), pool_parameter(),
-     choice_parameter("pool_unit", "what the pool is counted in", {"blocks_per_pixel", "mib", "blocks"}),
-     choice_parameter(
-         "allocation",
-         "who gets a block while there are some: fragments with most samples first, tile by tile, or as fragments "
-         "come, by an atomic counter",
-         {"largest", "tiles", "atomic"}),
-     choice_parameter("first_block",
-                      "a pixel's own block holds what sample 0 shows, or what its first covered sample shows",
-                      {"sample", "covered"}),
-     choice_parameter("lighting", "dynamic blocks are lit one by one before the pixels, or with their pixel's list",
-                      {"blocks", "lists"}),
-     alpha_parameter(), resolve_parameter(), shading_parameter()},
-    {{"blocks", "Blocks with a surface", "blocks", 0},
-     {"overflow", "Samples of fragments without a block", "samples", 0},
-     {"leaks", "Samples that show the sky for want of a block", "samples", 0}},
-    layout,
-    record};
+const Technique kLinkedList = TechniqueOf<LinkedListParameters>{
+    .name = "linked_list",
+    .title = "Per-pixel linked lists",
+    .paper = "Fridvalszky, Toth: Multisample Anti-Aliasing in Deferred Rendering. Eurographics 2020 short papers",
+    .fields =
+        {field::samples({2, 4, 8}),
+         field::number("pool", &LinkedListParameters::pool, {0, 1e9},
+                       "dynamic blocks at most, in pool_unit; those of a pixel beyond samples - 1 are never needed nor "
+                       "made"),
+         field::choice(
+             "pool_unit", &LinkedListParameters::pool_unit, "what the pool is counted in",
+             {{"blocks_per_pixel", PoolUnit::blocks_per_pixel}, {"mib", PoolUnit::mib}, {"blocks", PoolUnit::blocks}}),
+         field::choice("allocation", &LinkedListParameters::allocation,
+                       "who gets a block while there are some: fragments with most samples first, tile by tile, or as "
+                       "fragments come, by an atomic counter",
+                       {{"largest", BlockAllocation::largest},
+                        {"tiles", BlockAllocation::tiles},
+                        {"atomic", BlockAllocation::atomic}}),
+         field::choice("first_block", &LinkedListParameters::first_block,
+                       "a pixel's own block holds what sample 0 shows, or what its first covered sample shows",
+                       {{"sample", FirstBlock::sample}, {"covered", FirstBlock::covered}}),
+         field::choice("lighting", &LinkedListParameters::lighting,
+                       "dynamic blocks are lit one by one before the pixels, or with their pixel's list",
+                       {{"blocks", BlockLighting::blocks}, {"lists", BlockLighting::lists}}),
+         field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"blocks", "Blocks with a surface", "blocks", 0},
+             {"overflow", "Samples of fragments without a block", "samples", 0},
+             {"leaks", "Samples that show the sky for want of a block", "samples", 0}},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

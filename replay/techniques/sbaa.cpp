@@ -15,15 +15,21 @@
 namespace subpixel::replay {
 namespace {
 
-std::uint32_t surfaces(const FrameSetup& setup) {
-  return setup.parameters.at("surfaces").get<std::uint32_t>();
-}
-bool merges(const FrameSetup& setup) {
-  return setup.choice("mode") == "merge";
+enum class Mode { merge, id };
+
+struct SbaaParameters : CommonParameters {
+  std::uint32_t surfaces = 4;
+  Mode mode = Mode::merge;
+  double normal_angle = std::numbers::pi / 4;
+};
+using Setup = SetupFor<SbaaParameters>;
+
+bool merges(const Setup& setup) {
+  return setup.parameters.mode == Mode::merge;
 }
 
-MemoryLayout layout(const FrameSetup& setup) {
-  const double n = setup.samples, s = surfaces(setup);
+MemoryLayout layout(const Setup& setup) {
+  const double n = setup.samples, s = setup.parameters.surfaces;
   MemoryLayout memory;
   // Aggregate paper, section 5.4: a byte of primitive number a sample, 2 bytes of surface description a surface.
   memory.paper = {{"depth", 32 * n}, {"primitive hash", 8 * n}, {"G-buffer samples", 128 * s}, {"surfaces", 16 * s}};
@@ -36,7 +42,7 @@ MemoryLayout layout(const FrameSetup& setup) {
 }
 
 // A face normal and a depth slope for each triangle record: 8 bytes.
-gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const Setup& setup) {
   Frontend& frontend = setup.frontend;
   GpuScene& scene = setup.scene;
   gpu::Buffer& faces = recorder.buffer(
@@ -62,8 +68,8 @@ gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const FrameSetup& setup) 
   return faces;
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  const std::uint32_t kept = surfaces(setup);
+void record(gpu::PassRecorder& recorder, const Setup& setup) {
+  const std::uint32_t kept = setup.parameters.surfaces;
   setup.frontend.record_setup(recorder);
   gpu::Image& visibility = record_visibility(recorder, setup);
 
@@ -83,7 +89,7 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   analyse.clear_colours = {{}, {}, {}};
   analyse.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
   analyse.push = gpu::PushConstants(gpu_types::SbaaAnalysePush{
-      .faces = analyse.reads(faces), .cosine = static_cast<float>(std::cos(setup.number("normal_angle")))});
+      .faces = analyse.reads(faces), .cosine = static_cast<float>(std::cos(setup.parameters.normal_angle))});
   recorder.raster(std::move(analyse));
 
   const bool narrow = narrow_samples(setup);
@@ -114,48 +120,27 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   record_resolve(recorder, setup, sum);
 }
 
-Parameters parameters() {
-  Parameter surfaces;
-  surfaces.name = "surfaces";
-  surfaces.kind = ParameterKind::integer;
-  surfaces.doc = "G-buffer samples kept for each pixel";
-  surfaces.unit = "surfaces";
-  surfaces.minimum = 1;
-  surfaces.maximum = 8;
-  surfaces.default_value = 4;
-  Parameter mode;
-  mode.name = "mode";
-  mode.kind = ParameterKind::choice;
-  mode.doc = "id: a surface is a primitive; merge: primitives with aligned normals and overlapping depths are one";
-  mode.choices = {"merge", "id"};
-  mode.default_value = "merge";
-  Parameter normal_angle;
-  normal_angle.name = "normal_angle";
-  normal_angle.kind = ParameterKind::number;
-  normal_angle.doc = "normals are aligned below this angle";
-  normal_angle.unit = "radians";
-  normal_angle.minimum = 0;
-  normal_angle.maximum = std::numbers::pi;
-  normal_angle.default_value = std::numbers::pi / 4;
-  return {samples_parameter({4, 8, 16, 32}, 8),
-          surfaces,
-          mode,
-          normal_angle,
-          alpha_parameter(),
-          resolve_parameter(),
-          shading_parameter()};
-}
-
 }  // namespace
 
 extern const Technique kSbaa;
 
-const Technique kSbaa{"sbaa",
-                      "Surface-based anti-aliasing",
-                      "Salvi, Vidimce: Surface based anti-aliasing. I3D 2012",
-                      parameters(),
-                      {{"surfaces", "Surfaces kept", "per pixel", 8}, {"dropped", "Samples dropped", "per pixel"}},
-                      layout,
-                      record};
+const Technique kSbaa = TechniqueOf<SbaaParameters>{
+    .name = "sbaa",
+    .title = "Surface-based anti-aliasing",
+    .paper = "Salvi, Vidimce: Surface based anti-aliasing. I3D 2012",
+    .fields =
+        {field::samples({4, 8, 16, 32}),
+         field::integer("surfaces", &SbaaParameters::surfaces, {1, 8}, "G-buffer samples kept for each pixel",
+                        "surfaces"),
+         field::choice(
+             "mode", &SbaaParameters::mode,
+             "id: a surface is a primitive; merge: primitives with aligned normals and overlapping depths are one",
+             {{"merge", Mode::merge}, {"id", Mode::id}}),
+         field::angle("normal_angle", &SbaaParameters::normal_angle, "normals are aligned below this angle"),
+         field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"surfaces", "Surfaces kept", "per pixel", 8}, {"dropped", "Samples dropped", "per pixel"}},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

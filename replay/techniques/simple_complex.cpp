@@ -9,7 +9,13 @@
 namespace subpixel::replay {
 namespace {
 
-MemoryLayout layout(const FrameSetup& setup) {
+struct SimpleComplexParameters : CommonParameters {
+  double depth_threshold = 1, normal_threshold = 0.99;
+  bool compact = true;
+};
+using Setup = SetupFor<SimpleComplexParameters>;
+
+MemoryLayout layout(const Setup& setup) {
   const double n = setup.samples;
   MemoryLayout memory;
   // Streaming paper, table 1: 20-byte samples and a multi-sampled lighting buffer: 192 bytes a pixel at 8x, 96 at 4x.
@@ -22,7 +28,7 @@ MemoryLayout layout(const FrameSetup& setup) {
   return memory;
 }
 
-gpu::Image& record_classification(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
+gpu::Image& record_classification(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility,
                                   gpu::Image& gbuffer) {
   gpu::Image& flags = map_image(recorder, setup, "complex");
   setup.outputs.maps.emplace_back("complex", &flags);
@@ -34,13 +40,13 @@ gpu::Image& record_classification(gpu::PassRecorder& recorder, const FrameSetup&
   pass.bindings.push_back(gpu::samples(SHADE_SLOT_GBUFFER, gbuffer));
   pass.push = gpu::PushConstants(
       gpu_types::SimpleComplexClassifyPush{.records = pass.reads(setup.frontend.records()),
-                                           .depth_scale = static_cast<float>(setup.number("depth_threshold")),
-                                           .least_cosine = static_cast<float>(setup.number("normal_threshold"))});
+                                           .depth_scale = static_cast<float>(setup.parameters.depth_threshold),
+                                           .least_cosine = static_cast<float>(setup.parameters.normal_threshold)});
   recorder.raster(std::move(pass));
   return flags;
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+void record(gpu::PassRecorder& recorder, const Setup& setup) {
   setup.frontend.record_setup(recorder);
   gpu::Image& visibility = record_visibility(recorder, setup);
   gpu::Image& gbuffer = gbuffer_image(recorder, setup, true);
@@ -48,7 +54,7 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
     record_gbuffer(recorder, setup, visibility, gbuffer, group);
   gpu::Image& flags = record_classification(recorder, setup, visibility, gbuffer);
   gpu::Image& sum = sum_image(recorder, setup);
-  const bool compact = setup.parameters.at("compact").get<bool>();
+  const bool compact = setup.parameters.compact;
 
   gpu::RasterPass simple = lighting_pass(
       setup, "shade simple",
@@ -80,47 +86,26 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   record_resolve(recorder, setup, sum);
 }
 
-Parameters parameters() {
-  Parameter depth_threshold;
-  depth_threshold.name = "depth_threshold";
-  depth_threshold.kind = ParameterKind::number;
-  depth_threshold.doc = "depths agree within this many times |dz/dx| + |dz/dy| of sample 0";
-  depth_threshold.minimum = 0;
-  depth_threshold.maximum = 1000;
-  depth_threshold.default_value = 1.0;
-  Parameter normal_threshold;
-  normal_threshold.name = "normal_threshold";
-  normal_threshold.kind = ParameterKind::number;
-  normal_threshold.doc = "normals agree when the cosine between them is not below this";
-  normal_threshold.minimum = -1;
-  normal_threshold.maximum = 1;
-  normal_threshold.default_value = 0.99;
-  Parameter compact;
-  compact.name = "compact";
-  compact.kind = ParameterKind::boolean;
-  compact.doc =
-      "complex pixels are gathered in a list and shaded in a pass of their own; the image is the same without";
-  compact.default_value = true;
-  return {samples_parameter({4, 8, 16, 32}, 8),
-          depth_threshold,
-          normal_threshold,
-          compact,
-          alpha_parameter(),
-          resolve_parameter(),
-          shading_parameter()};
-}
-
 }  // namespace
 
 extern const Technique kSimpleComplex;
 
-const Technique kSimpleComplex{
-    "simple_complex",
-    "Deferred MSAA, pixels whose samples agree shaded once",
-    "Lauritzen: Deferred rendering for current and future rendering pipelines. SIGGRAPH 2010 course",
-    parameters(),
-    {{"complex", "Complex pixels", "shaded per sample", 1}},
-    layout,
-    record};
+const Technique kSimpleComplex = TechniqueOf<SimpleComplexParameters>{
+    .name = "simple_complex",
+    .title = "Deferred MSAA, pixels whose samples agree shaded once",
+    .paper = "Lauritzen: Deferred rendering for current and future rendering pipelines. SIGGRAPH 2010 course",
+    .fields = {field::samples({4, 8, 16, 32}),
+               field::number("depth_threshold", &SimpleComplexParameters::depth_threshold, {0, 1000},
+                             "depths agree within this many times |dz/dx| + |dz/dy| of sample 0"),
+               field::number("normal_threshold", &SimpleComplexParameters::normal_threshold, {-1, 1},
+                             "normals agree when the cosine between them is not below this"),
+               field::condition("compact", &SimpleComplexParameters::compact,
+                                "complex pixels are gathered in a list and shaded in a pass of their own; the image is "
+                                "the same without"),
+               field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"complex", "Complex pixels", "shaded per sample", 1}},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

@@ -26,6 +26,9 @@
 #define CONSTANT_GROUP_SAMPLES 6
 #define PASS_CONSTANTS 7
 
+// 1 where `bits` have the bit, else 0: for sizes that follow from constants.
+#define BIT_OF(bits, bit) (((bits) / (bit)) & 1u)
+
 // Slots that the frame's own resources have in every pass; its constants are the uniform buffer.
 #define FRAME_SLOT_SPOT_CONES 8   // storage
 #define FRAME_SLOT_UV_MAPPINGS 9  // storage

@@ -217,6 +217,7 @@ class FrontendRun {
         scene(device, capture, {}),
         frontend(device, scene),
         recorder(device) {
+    parameters_.samples = samples;
     scene.set_frame(0, width, height);
     frontend.prepare(samples);
     frontend.record_setup(recorder);
@@ -231,7 +232,7 @@ class FrontendRun {
     recorder.compute(std::move(read));
   }
 
-  FrameSetup setup() { return {scene, frontend, width, height, samples, parameters_, outputs_}; }
+  FrameSetup setup() { return {scene, frontend, width, height, parameters_, outputs_}; }
 
   // Runs all that is recorded and takes what set-up and visibility left.
   void run() {
@@ -283,7 +284,7 @@ class FrontendRun {
   std::vector<SetUpTriangle> triangles;  // in submission order
 
  private:
-  ParameterValues parameters_{{"alpha", "to_coverage"}, {"resolve", "linear"}, {"shading", "ggx"}};
+  CommonParameters parameters_;
   FrameOutputs outputs_;
   gpu::Buffer buffer_;
   std::vector<VisibleSample> seen_ = std::vector<VisibleSample>(std::size_t{width} * height * samples);
