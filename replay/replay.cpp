@@ -13,7 +13,6 @@
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "capture_format/reader.hpp"
-#include "replay/complete_technique.hpp"
 #include "replay/gpu/litmus.hpp"
 #include "replay/host_clock.hpp"
 #include "replay/inspection.hpp"
