@@ -11,38 +11,50 @@
 
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "replay/techniques/frame_images.hpp"
 #include "shaders/techniques/agaa/agaa_interface.h"
 
 namespace subpixel::replay {
 namespace {
 
-std::uint32_t aggregates(const FrameSetup& setup) {
-  return setup.parameters.at("aggregates").get<std::uint32_t>();
+enum class Ndf { toksvig, sggx };
+enum class Roughness { mean, in_normal };
+enum class Storage { fixed_point, floats };
+
+struct AgaaParameters : CommonParameters {
+  std::uint32_t aggregates = 2;
+  double length = 0.1;  // world units
+  double separation = 0.01;
+  Ndf ndf = Ndf::toksvig;
+  Roughness roughness = Roughness::mean;
+  Storage storage = Storage::fixed_point;
+  std::uint32_t shadow_taps = 4;
+};
+using Setup = SetupFor<AgaaParameters>;
+
+bool sggx(const Setup& setup) {
+  return setup.parameters.ndf == Ndf::sggx;
 }
-bool sggx(const FrameSetup& setup) {
-  return setup.choice("ndf") == "sggx";
+bool float_storage(const Setup& setup) {
+  return setup.parameters.storage == Storage::floats;
 }
-bool float_storage(const FrameSetup& setup) {
-  return setup.choice("storage") == "float";
-}
-bool roughness_in_normal(const FrameSetup& setup) {
-  return setup.choice("roughness") == "in_normal";
+bool roughness_in_normal(const Setup& setup) {
+  return setup.parameters.roughness == Roughness::in_normal;
 }
 
-std::uint32_t agaa_options(const FrameSetup& setup) {
+std::uint32_t agaa_options(const Setup& setup) {
   return (float_storage(setup) ? AGAA_FLOAT : 0u) | (sggx(setup) ? AGAA_SGGX : 0u) |
          (roughness_in_normal(setup) ? AGAA_ROUGHNESS_IN_NORMAL : 0u);
 }
 
-std::uint32_t aggregate_words(const FrameSetup& setup) {
+std::uint32_t aggregate_words(const Setup& setup) {
   return AGAA_WORDS(setup.samples, setup.scene.features().bits, agaa_options(setup));
 }
 
-MemoryLayout layout(const FrameSetup& setup) {
+MemoryLayout layout(const Setup& setup) {
   const SceneFeatures features = setup.scene.features();
-  const double n = setup.samples, c = aggregates(setup);
-  const double membership = aggregates(setup) > 2 ? 2 : aggregates(setup) - 1.0;  // bits that name an aggregate
+  const double n = setup.samples, c = setup.parameters.aggregates;
+  const double membership =
+      setup.parameters.aggregates > 2 ? 2 : setup.parameters.aggregates - 1.0;  // bits that name an aggregate
   const double mask = std::max(n, 8.0), moments = sggx(setup) ? 96 : 0;
   MemoryLayout memory;
   // Section 4.3 and figure 7: 16 bytes an aggregate with a mask of 8 bits, 6 bytes a sample; section 3.3 for the rest.
@@ -54,7 +66,7 @@ MemoryLayout layout(const FrameSetup& setup) {
   if (features.has(FEATURE_EMISSIVE)) attributes += 66;
   if (float_storage(setup)) attributes = 32.0 * (aggregate_words(setup) - 1 - (sggx(setup) ? 6 : 0));
   memory.fitted = {{"depth", 32 * n},
-                   {"face normals", aggregates(setup) > 1 ? 16 * n : 0},
+                   {"face normals", setup.parameters.aggregates > 1 ? 16 * n : 0},
                    {"membership", membership * n},
                    {"aggregates", (attributes + n) * c}};
   if (sggx(setup)) {
@@ -64,10 +76,10 @@ MemoryLayout layout(const FrameSetup& setup) {
   return memory;
 }
 
-gpu::Constants agaa_constants(const FrameSetup& setup) {
-  return {{AGAA_CONSTANT_AGGREGATES, aggregates(setup)},
+gpu::Constants agaa_constants(const Setup& setup) {
+  return {{AGAA_CONSTANT_AGGREGATES, setup.parameters.aggregates},
           {AGAA_CONSTANT_OPTIONS, agaa_options(setup)},
-          {AGAA_CONSTANT_SHADOW_TAPS, static_cast<std::uint32_t>(setup.number("shadow_taps"))}};
+          {AGAA_CONSTANT_SHADOW_TAPS, setup.parameters.shadow_taps}};
 }
 
 // Of the frame's camera: positions relative to it keep their digits wherever it is.
@@ -77,7 +89,7 @@ struct ViewSpace {
   float largest_polar = 0;     // radians from the axis towards the eye that a visible face normal can have
 };
 
-ViewSpace view_space(const FrameSetup& setup) {
+ViewSpace view_space(const Setup& setup) {
   const gpu_types::FrameConstants& frame = setup.scene.constants();
   const glm::dmat4 from_clip = glm::dmat4(frame.view) * glm::inverse(glm::dmat4(frame.view_projection));
   const auto at = [&](double x, double y, double depth) {
@@ -98,7 +110,7 @@ ViewSpace view_space(const FrameSetup& setup) {
 }
 
 // A rounded face normal for each triangle record, 4 bytes.
-gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const FrameSetup& setup, const ViewSpace& space) {
+gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const Setup& setup, const ViewSpace& space) {
   Frontend& frontend = setup.frontend;
   GpuScene& scene = setup.scene;
   gpu::Buffer& faces =
@@ -127,10 +139,10 @@ gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const FrameSetup& setup, 
 }
 
 // Bits 0 and 1 of every sample's aggregate, one word of samples for each.
-gpu::Image& record_definition(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
+gpu::Image& record_definition(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility,
                               const ViewSpace& space) {
   gpu::Buffer& faces = record_faces(recorder, setup, space);
-  const VkFormat format = aggregates(setup) > 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32_UINT;
+  const VkFormat format = setup.parameters.aggregates > 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32_UINT;
   gpu::Image& membership = target_image(recorder, setup, "membership", format);
   gpu::RasterPass pass = fullscreen_pass(setup, "define", "techniques/agaa/define.frag");
   gpu::append(pass.pipeline.constants, agaa_constants(setup));
@@ -138,8 +150,8 @@ gpu::Image& record_definition(gpu::PassRecorder& recorder, const FrameSetup& set
   pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
   const gpu_types::AgaaDefinePush push{.view_from_clip = space.from_clip,
                                        .faces = pass.reads(faces),
-                                       .inverse_length = static_cast<float>(1 / setup.number("length")),
-                                       .separation = static_cast<float>(setup.number("separation"))};
+                                       .inverse_length = static_cast<float>(1 / setup.parameters.length),
+                                       .separation = static_cast<float>(setup.parameters.separation)};
   pass.push = gpu::PushConstants(push);
   recorder.raster(std::move(pass));
   return membership;
@@ -150,12 +162,12 @@ struct State {
   gpu::AddressTable* table = nullptr;  // AgaaState
 };
 
-State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+State make_state(gpu::PassRecorder& recorder, const Setup& setup) {
   State state;
   // Full-screen passes read for whole blocks of 4x4 pixels, beyond the image's borders too.
   constexpr std::uint64_t kBorderRows = 5;
-  state.sums = &recorder.buffer(
-      "aggregates", (setup.height + kBorderRows) * setup.width * aggregates(setup) * aggregate_words(setup) * 4);
+  state.sums = &recorder.buffer("aggregates", (setup.height + kBorderRows) * setup.width * setup.parameters.aggregates *
+                                                  aggregate_words(setup) * 4);
   state.table = &recorder.address_table("aggregate state", sizeof(gpu_types::AgaaState));
   float largest = 0;
   for (const auto& material :
@@ -170,8 +182,8 @@ State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   return state;
 }
 
-void record_generation(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
-                       gpu::Image* membership, const State& state) {
+void record_generation(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility, gpu::Image* membership,
+                       const State& state) {
   recorder.fill("generate", *state.sums, 0);
   Frontend::GeometryPass geometry;
   geometry.by_material = true;
@@ -190,8 +202,8 @@ void record_generation(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
 
-void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
-                    const ViewSpace& space, const State& state) {
+void record_shading(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility, const ViewSpace& space,
+                    const State& state) {
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/agaa/shade.frag");
   gpu::append(pass.pipeline.constants, agaa_constants(setup));
   pass.colours = make_outputs(recorder, setup);
@@ -201,7 +213,7 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::I
   recorder.raster(std::move(pass));
 }
 
-void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, const ViewSpace& space,
+void record_maps(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility, const ViewSpace& space,
                  const State& state) {
   gpu::RasterPass pass = lighting_pass(setup, "maps", "techniques/agaa/maps.frag");
   gpu::append(pass.pipeline.constants, agaa_constants(setup));
@@ -212,52 +224,50 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Imag
   recorder.host(once(run_pass(recorder.device(), std::move(pass))));
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+void record(gpu::PassRecorder& recorder, const Setup& setup) {
   setup.frontend.record_setup(recorder);
   gpu::Image& visibility = record_visibility(recorder, setup);
   const ViewSpace space = view_space(setup);
   gpu::Image* const membership =
-      aggregates(setup) > 1 ? &record_definition(recorder, setup, visibility, space) : nullptr;
+      setup.parameters.aggregates > 1 ? &record_definition(recorder, setup, visibility, space) : nullptr;
   const State state = make_state(recorder, setup);
   record_generation(recorder, setup, visibility, membership, state);
   record_shading(recorder, setup, visibility, space, state);
   record_maps(recorder, setup, visibility, space, state);
 }
 
-Parameters parameters() {
-  return {integer_parameter("aggregates", "aggregates a pixel may have", 1, AGAA_MAX_AGGREGATES, 2),
-          samples_parameter({4, 8, 16, 32}, 8),
-          number_parameter("length",
-                           "largest scale of local detail: a distance as large parts samples as opposite normals do",
-                           "world units", 1e-6, 1e6, 0.1),
-          number_parameter("separation",
-                           "an aggregate is only made farther than this from the others, in the paper's distance", "",
-                           0, 1e6, 0.01),
-          choice_parameter(
-              "ndf", "distribution of normals: isotropic, by the mean's length, or anisotropic, by second moments",
-              {"toksvig", "sggx"}),
-          choice_parameter("roughness", "kept as a mean, or by shortening the normals", {"mean", "in_normal"}),
-          choice_parameter("storage", "sums in the paper's fixed point, or in floats", {"fixed", "float"}),
-          integer_parameter("shadow_taps", "points of an aggregate's footprint at which its shadow is looked up", 1, 8,
-                            4, {1, 2, 4, 8}),
-          alpha_parameter(),
-          resolve_parameter(),
-          shading_parameter()};
-}
-
 }  // namespace
 
 extern const Technique kAgaa;
 
-const Technique kAgaa{
-    "agaa",
-    "Aggregate G-buffer anti-aliasing",
-    "Crassin, McGuire, Fatahalian, Lefohn: Aggregate G-Buffer Anti-Aliasing, extended version. IEEE TVCG 2016",
-    parameters(),
-    {{"aggregates", "Aggregates", "aggregates", AGAA_MAX_AGGREGATES},
-     {"normal_variance", "Variance of normals within aggregates", "thousandths", 1000},
-     {"footprint", "Deviation of positions within an aggregate", "thousandths of a world unit", 1000}},
-    layout,
-    record};
+const Technique kAgaa = TechniqueOf<AgaaParameters>{
+    .name = "agaa",
+    .title = "Aggregate G-buffer anti-aliasing",
+    .paper = "Crassin, McGuire, Fatahalian, Lefohn: Aggregate G-Buffer Anti-Aliasing, extended version. IEEE TVCG 2016",
+    .fields = {field::integer("aggregates", &AgaaParameters::aggregates, {1, AGAA_MAX_AGGREGATES},
+                              "aggregates a pixel may have"),
+               field::samples({4, 8, 16, 32}),
+               field::number("length", &AgaaParameters::length, {1e-6, 1e6},
+                             "largest scale of local detail: a distance as large parts samples as opposite normals do",
+                             "world units"),
+               field::number("separation", &AgaaParameters::separation, {0, 1e6},
+                             "an aggregate is only made farther than this from the others, in the paper's distance"),
+               field::choice(
+                   "ndf", &AgaaParameters::ndf,
+                   "distribution of normals: isotropic, by the mean's length, or anisotropic, by second moments",
+                   {{"toksvig", Ndf::toksvig}, {"sggx", Ndf::sggx}}),
+               field::choice("roughness", &AgaaParameters::roughness, "kept as a mean, or by shortening the normals",
+                             {{"mean", Roughness::mean}, {"in_normal", Roughness::in_normal}}),
+               field::choice("storage", &AgaaParameters::storage, "sums in the paper's fixed point, or in floats",
+                             {{"fixed", Storage::fixed_point}, {"float", Storage::floats}}),
+               field::integer("shadow_taps", &AgaaParameters::shadow_taps, field::one_of({1, 2, 4, 8}),
+                              "points of an aggregate's footprint at which its shadow is looked up"),
+               field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"aggregates", "Aggregates", "aggregates", AGAA_MAX_AGGREGATES},
+             {"normal_variance", "Variance of normals within aggregates", "thousandths", 1000},
+             {"footprint", "Deviation of positions within an aggregate", "thousandths of a world unit", 1000}},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "replay/techniques/dcaa_view.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "replay/techniques/frame_images.hpp"
 #include "replay/techniques/ordered_state.hpp"
 #include "shaders/techniques/dcaa/dcaa_interface.h"
 
@@ -174,6 +174,34 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dca
 
 gpu::Image& record_depth_bound(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form) {
   return record_bound(recorder, setup, form, table_buffer(recorder, setup, form));
+}
+
+namespace field {
+
+Field<DecoupledParameters> kept_surfaces() {
+  return integer("surfaces", &DecoupledParameters::surfaces, {1, DCAA_MAX_SURFACES}, "surfaces kept for a pixel");
+}
+
+Field<DecoupledParameters> coverage_source() {
+  return choice("coverage", &DecoupledParameters::coverage,
+                "masks come from a table of half-planes, or from exact edges",
+                {{"lut", DecoupledCoverage::table}, {"exact", DecoupledCoverage::exact}});
+}
+
+Field<DecoupledParameters> depth_reach() {
+  return number("depth_reach", &DecoupledParameters::depth_reach, {0, 8},
+                "how far from the pixel's centre the depth intervals of surfaces reach", "pixels");
+}
+
+}  // namespace field
+
+DcaaForm common_form(const DecoupledParameters& parameters) {
+  DcaaForm form;
+  form.surfaces = parameters.surfaces;
+  if (parameters.coverage == DecoupledCoverage::table) form.options |= DCAA_TABLE;
+  form.normal_cosine = static_cast<float>(std::cos(parameters.normal_angle));
+  form.depth_reach = static_cast<float>(parameters.depth_reach);
+  return form;
 }
 
 std::vector<MapDescription> dcaa_maps() {

@@ -2,7 +2,8 @@
 // images.
 #pragma once
 
-#include "replay/techniques/frame_images.hpp"
+#include "replay/frame/frame_images.hpp"
+#include "replay/frame/technique.hpp"
 
 namespace subpixel::replay {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "replay/frame/frame_setup.hpp"
 #include "replay/frontend/fragment_lists.hpp"
-#include "replay/techniques/frame_setup.hpp"
 
 namespace subpixel::replay {
 

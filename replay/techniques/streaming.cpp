@@ -5,38 +5,30 @@
 
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 #include "replay/techniques/deferred.hpp"
-#include "replay/techniques/frame_images.hpp"
 #include "shaders/techniques/streaming/streaming_interface.h"
 
 namespace subpixel::replay {
 namespace {
 
-std::uint32_t surfaces(const FrameSetup& setup) {
-  return static_cast<std::uint32_t>(setup.number("surfaces"));
-}
-
-gpu::Constants streaming_constants(const FrameSetup& setup) {
+gpu::Constants streaming_constants(const StreamingSetup& setup) {
+  const StreamingParameters& p = setup.parameters;
   std::uint32_t options = 0;
-  const auto add = [&](std::string_view parameter, std::uint32_t option) {
-    if (setup.parameters.at(std::string(parameter)).get<bool>()) options |= option;
-  };
-  add("merge_normals", STREAM_MERGE_NORMALS);
-  add("merge_depth", STREAM_MERGE_DEPTH);
-  add("merge_coverage", STREAM_MERGE_COVERAGE);
-  if (setup.choice("merge_weight") == "coverage") options |= STREAM_WEIGHT_COVERAGE;
-  if (setup.choice("occlusion") == "depth_test") options |= STREAM_DEPTH_TESTED;
-  if (setup.choice("depth_space") == "clip") options |= STREAM_CLIP_SPACE;
-  const auto cosine = static_cast<float>(std::cos(setup.number("normal_angle")));
-  return {{STREAM_CONSTANT_SURFACES, surfaces(setup)},
+  if (p.merge_normals) options |= STREAM_MERGE_NORMALS;
+  if (p.merge_depth) options |= STREAM_MERGE_DEPTH;
+  if (p.merge_coverage) options |= STREAM_MERGE_COVERAGE;
+  if (p.merge_weight == StreamingWeight::coverage) options |= STREAM_WEIGHT_COVERAGE;
+  if (p.occlusion == StreamingOcclusion::depth_test) options |= STREAM_DEPTH_TESTED;
+  if (p.depth_space == StreamingDepth::clip) options |= STREAM_CLIP_SPACE;
+  const auto cosine = static_cast<float>(std::cos(p.normal_angle));
+  return {{STREAM_CONSTANT_SURFACES, p.surfaces},
           {STREAM_CONSTANT_COS_NORMAL_ANGLE, std::bit_cast<std::uint32_t>(cosine)},
           {STREAM_CONSTANT_OPTIONS, options}};
 }
 
-MemoryLayout layout(const FrameSetup& setup) {
-  const double n = setup.samples, s = surfaces(setup);
+MemoryLayout layout(const StreamingSetup& setup) {
+  const double n = setup.samples, s = setup.parameters.surfaces;
   // Depth 32, derivatives 2 x 16, two masks, albedo 32, normal 32; up to 16 samples the masks fit the paper's 20 bytes.
   const double masks = std::max(2 * n, 32.0);
   const double exact = 32 + 32 + 2 * n + fitted_surface_bits(setup.scene.features());
@@ -46,7 +38,7 @@ MemoryLayout layout(const FrameSetup& setup) {
   return memory;
 }
 
-void record_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, const OrderedState& state) {
+void record_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup, const OrderedState& state) {
   Frontend::GeometryPass geometry;
   geometry.pass.name = "compress";
   geometry.pass.pipeline.constants = common_constants(setup);
@@ -55,7 +47,7 @@ void record_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, co
 }
 
 // The same state by passes over fragment lists.
-void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+void record_list_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup, const FragmentLists& lists,
                              const OrderedState& state) {
   const ListedState listed(recorder, setup, lists, state, sizeof(gpu_types::StreamListedSurface));
   ListedPass fragments;
@@ -83,7 +75,7 @@ void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setu
   listed.record_merge(pixels);
 }
 
-void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const OrderedState& state) {
+void record_shading(gpu::PassRecorder& recorder, const StreamingSetup& setup, const OrderedState& state) {
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/streaming/shade.frag:" + state.variant());
   gpu::append(pass.pipeline.constants, streaming_constants(setup));
   pass.colours = make_outputs(recorder, setup);
@@ -91,7 +83,7 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
   recorder.raster(std::move(pass));
 }
 
-void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const OrderedState& state) {
+void record_maps(gpu::PassRecorder& recorder, const StreamingSetup& setup, const OrderedState& state) {
   gpu::RasterPass pass = fullscreen_pass(setup, "maps", "techniques/streaming/maps.frag:" + state.variant());
   gpu::append(pass.pipeline.constants, streaming_constants(setup));
   pass.colours = make_maps(recorder, setup, {"merges", "discards", "surfaces", "order_errors"});
@@ -101,10 +93,10 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Ord
 
 }  // namespace
 
-OrderedState record_streaming(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+OrderedState record_streaming(gpu::PassRecorder& recorder, const StreamingSetup& setup) {
   setup.frontend.record_setup(recorder);
   const auto lists = record_fragment_lists(recorder, setup, "collect", ListedMasks::collected);
-  const std::uint32_t quads = STREAM_STATE_QUADS(setup.samples, setup.scene.features().bits, surfaces(setup));
+  const std::uint32_t quads = STREAM_STATE_QUADS(setup.samples, setup.scene.features().bits, setup.parameters.surfaces);
   const OrderedState state = make_ordered_state(recorder, setup, "streaming state", quads, lists.has_value());
   if (lists)
     record_list_compression(recorder, setup, *lists, state);
@@ -117,32 +109,41 @@ OrderedState record_streaming(gpu::PassRecorder& recorder, const FrameSetup& set
 
 extern const Technique kStreaming;
 
-const Technique kStreaming{
-    "streaming",
-    "Streaming G-buffer compression",
-    "Kerzner, Salvi: Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing. High-Performance Graphics 2014",
-    {integer_parameter("surfaces", "surfaces kept for a pixel", 1, STREAM_MAX_SURFACES, 3),
-     samples_parameter({4, 8, 16, 32}, 8),
-     number_parameter("normal_angle", "largest angle between the normals of fragments that merge", "radians", 0,
-                      std::numbers::pi, std::numbers::pi / 4),
-     condition_parameter("merge_normals", "fragments merge only when their normals align"),
-     condition_parameter("merge_depth", "fragments merge only when their depth intervals overlap"),
-     condition_parameter("merge_coverage", "fragments merge only when they share no sample"),
-     choice_parameter("merge_weight", "a merge weights both sides equally, or by the samples they cover",
-                      {"equal", "coverage"}),
-     choice_parameter(
-         "occlusion",
-         "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the depth test of "
-         "the sample",
-         {"intervals", "depth_test"}),
-     choice_parameter("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
-                      {"view", "clip"}),
-     order_parameter(), alpha_parameter(), resolve_parameter(), shading_parameter()},
-    {{"merges", "Fragments merged", "fragments", 16},
-     {"discards", "Samples discarded while visible", "samples", 8},
-     {"surfaces", "Surfaces stored", "surfaces", 4},
-     {"order_errors", "Surfaces out of order", "surfaces", 4}},
-    layout,
-    [](gpu::PassRecorder& recorder, const FrameSetup& setup) { record_streaming(recorder, setup); }};
+const Technique kStreaming = TechniqueOf<StreamingParameters>{
+    .name = "streaming",
+    .title = "Streaming G-buffer compression",
+    .paper =
+        "Kerzner, Salvi: Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing. High-Performance Graphics "
+        "2014",
+    .fields = {field::integer("surfaces", &StreamingParameters::surfaces, {1, STREAM_MAX_SURFACES},
+                              "surfaces kept for a pixel"),
+               field::samples({4, 8, 16, 32}),
+               field::angle("normal_angle", &StreamingParameters::normal_angle,
+                            "largest angle between the normals of fragments that merge"),
+               field::condition("merge_normals", &StreamingParameters::merge_normals,
+                                "fragments merge only when their normals align"),
+               field::condition("merge_depth", &StreamingParameters::merge_depth,
+                                "fragments merge only when their depth intervals overlap"),
+               field::condition("merge_coverage", &StreamingParameters::merge_coverage,
+                                "fragments merge only when they share no sample"),
+               field::choice("merge_weight", &StreamingParameters::merge_weight,
+                             "a merge weights both sides equally, or by the samples they cover",
+                             {{"equal", StreamingWeight::equal}, {"coverage", StreamingWeight::coverage}}),
+               field::choice(
+                   "occlusion", &StreamingParameters::occlusion,
+                   "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the "
+                   "depth test of the sample",
+                   {{"intervals", StreamingOcclusion::intervals}, {"depth_test", StreamingOcclusion::depth_test}}),
+               field::choice("depth_space", &StreamingParameters::depth_space,
+                             "surfaces keep depth and derivatives along the view, or of the depth buffer",
+                             {{"view", StreamingDepth::view}, {"clip", StreamingDepth::clip}}),
+               field::order(), field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"merges", "Fragments merged", "fragments", 16},
+             {"discards", "Samples discarded while visible", "samples", 8},
+             {"surfaces", "Surfaces stored", "surfaces", 4},
+             {"order_errors", "Surfaces out of order", "surfaces", 4}},
+    .layout = layout,
+    .record = [](gpu::PassRecorder& recorder, const StreamingSetup& setup) { record_streaming(recorder, setup); },
+};
 
 }  // namespace subpixel::replay

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "replay/techniques/frame_setup.hpp"
+#include "replay/frame/frame_setup.hpp"
 
 namespace subpixel::replay {
 
