@@ -11,7 +11,6 @@
 
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "replay/techniques/frame_images.hpp"
 #include "shaders/techniques/agaa/agaa_interface.h"
 
 namespace subpixel::replay {

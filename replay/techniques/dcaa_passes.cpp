@@ -8,7 +8,6 @@
 
 #include "replay/techniques/dcaa_view.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "replay/techniques/frame_images.hpp"
 #include "replay/techniques/ordered_state.hpp"
 #include "shaders/techniques/dcaa/dcaa_interface.h"
 

@@ -2,8 +2,8 @@
 // images.
 #pragma once
 
+#include "replay/frame/frame_images.hpp"
 #include "replay/frame/technique.hpp"
-#include "replay/techniques/frame_images.hpp"
 
 namespace subpixel::replay {
 

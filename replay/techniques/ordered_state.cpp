@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "replay/techniques/frame_images.hpp"
+#include "replay/frame/frame_images.hpp"
 #include "shaders/include/ordered_state.h"
 
 namespace subpixel::replay {

@@ -5,11 +5,8 @@
 
 #include <bit>
 #include <cmath>
-#include <memory>
-#include <numbers>
 
 #include "replay/techniques/deferred.hpp"
-#include "replay/techniques/frame_images.hpp"
 #include "shaders/techniques/streaming/streaming_interface.h"
 
 namespace subpixel::replay {

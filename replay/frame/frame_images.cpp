@@ -1,4 +1,4 @@
-#include "replay/techniques/frame_images.hpp"
+#include "replay/frame/frame_images.hpp"
 
 namespace subpixel::replay {
 namespace {
