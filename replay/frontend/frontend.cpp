@@ -342,6 +342,7 @@ std::uint64_t Frontend::count_fragments(bool visible, std::uint32_t width, std::
   geometry.by_material = visible;
   geometry.fragment_opaque = geometry.fragment_alpha = "frontend/count_fragments.frag";
   geometry.pass.name = "fragments";
+  geometry.pass.pipeline.constants = {{CONSTANT_ALPHA_MODE, ALPHA_MODE_TO_COVERAGE}};  // what triangles cover, whole
   geometry.pass.pipeline.additive = true;
   geometry.pass.pipeline.targets.clear = true;
   geometry.pass.colours = {{counts}};
