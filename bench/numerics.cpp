@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "replay/measure/percentiles.hpp"
 #include "scenes/generate/generate.hpp"
 #include "scenes/import/import.hpp"
 #include "tests/hard_cases/bounds.hpp"
@@ -78,11 +79,6 @@ class Recorded {
   FrameOutputs outputs_;
   gpu::PassRecorder recorder_;
 };
-
-double median(std::vector<double> values) {
-  std::ranges::nth_element(values, values.begin() + values.size() / 2);
-  return values[values.size() / 2];
-}
 
 // "12.3 | 40%": the general form's, and how much less the fitted one has.
 std::string saving(double general, double fitted) {

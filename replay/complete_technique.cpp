@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
-#include "base/printable.hpp"
 #include "replay/techniques/technique.hpp"
 
 namespace subpixel::replay {
 
 TechniqueRequest complete_technique(const std::string& name, ParameterValues given, std::uint32_t samples) {
-  const Technique& technique = find_technique(printable(name, 60));
-  // As Replay does: the run's number of samples goes to techniques that allow it.
+  const Technique& technique = find_technique(name);
   for (const Parameter& parameter : technique.parameters) {
     if (parameter.name == "samples" && std::ranges::count(parameter.allowed, static_cast<double>(samples)) > 0) {
       given.try_emplace("samples", samples);

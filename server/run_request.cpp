@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/json_document.hpp"
 #include "base/json_fields.hpp"
+#include "base/printable.hpp"
 #include "replay/complete_technique.hpp"
 #include "replay/results/limits.hpp"
 #include "replay/techniques/technique.hpp"
@@ -36,7 +37,7 @@ replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t ind
       given[item.key()] = item.value();
     }
   }
-  return replay::complete_technique(entry.member("technique").text(), std::move(given), samples);
+  return replay::complete_technique(printable(entry.member("technique").text(), 60), std::move(given), samples);
 }
 
 // An entry is one technique, or a text in the command line's syntax, whose sweeps make it several.
@@ -55,7 +56,8 @@ std::vector<replay::TechniqueRequest> parse_techniques(const JsonField& list, st
     const JsonField entry = list.element(i);
     if (entry.raw().is_string()) {
       for (replay::TechniqueRequest& request : replay::parse_technique_list(entry.text())) {
-        add(replay::complete_technique(request.technique, std::move(request.parameters), samples), entry);
+        add(replay::complete_technique(printable(request.technique, 60), std::move(request.parameters), samples),
+            entry);
       }
     } else {
       add(parse_technique(entry, i, samples), entry);

@@ -109,7 +109,7 @@ std::vector<replay::TechniqueRequest> resolve_techniques(const Settings& setting
       for (const replay::TechniqueRequest& given :
            text == "all" ? every_technique() : replay::parse_technique_list(text)) {
         replay::TechniqueRequest request =
-            replay::complete_technique(given.technique, given.parameters, settings.options.samples);
+            replay::complete_technique(printable(given.technique, 60), given.parameters, settings.options.samples);
         const bool twice = std::ranges::any_of(requests, [&](const replay::TechniqueRequest& other) {
           return other.technique == request.technique && other.parameters == request.parameters;
         });
