@@ -13,12 +13,14 @@
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "capture_format/reader.hpp"
+#include "replay/complete_technique.hpp"
 #include "replay/gpu/litmus.hpp"
 #include "replay/host_clock.hpp"
 #include "replay/inspection.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/maps.hpp"
 #include "replay/measure/metrics.hpp"
+#include "replay/measure/percentiles.hpp"
 #include "replay/reference/reference.hpp"
 #include "replay/reference/reference_cache.hpp"
 #include "replay/results/limits.hpp"
@@ -27,12 +29,6 @@
 
 namespace subpixel::replay {
 namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
 
 // A technique with its parameters checked and complete.
 struct PlannedTechnique {
@@ -56,16 +52,9 @@ std::vector<PlannedTechnique> plan(const ReplayOptions& options) {
   check_limits(options);
   std::vector<PlannedTechnique> planned;
   for (const TechniqueRequest& request : options.techniques) {
-    const Technique& technique = find_technique(request.technique);
-    ParameterValues given = request.parameters;
-    // The run's sample count, for techniques that have it as a choice.
-    for (const Parameter& p : technique.parameters)
-      if (p.name == "samples" && !given.contains("samples") &&
-          std::find(p.allowed.begin(), p.allowed.end(), static_cast<double>(options.samples)) != p.allowed.end())
-        given["samples"] = options.samples;
-    PlannedTechnique one{&technique, check_parameters(technique.name, technique.parameters, given), 1};
-    one.samples = one.parameters.at("samples").get<std::uint32_t>();
-    planned.push_back(std::move(one));
+    const TechniqueRequest whole = complete_technique(request.technique, request.parameters, options.samples);
+    planned.push_back(
+        {&find_technique(whole.technique), whole.parameters, whole.parameters.at("samples").get<std::uint32_t>()});
   }
   return planned;
 }
@@ -381,9 +370,7 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which, 
   write_file_atomically(job_.out_dir / (stem + ".exr"), encode_exr(radiance.colour));
   now("measure");
   result.images["hdr"] = stem + ".exr";
-  result.images["shading"] =
-      write_png(stem + "_shading.png",
-                colour_counts(width_, height_, counts, result.samples, "Lighting executions", "per pixel").image);
+  result.images["shading"] = write_png(stem + "_shading.png", colour_counts(width_, height_, counts, result.samples));
   for (const auto& [name, image] : setup.outputs.maps) {
     const auto bytes = gpu::download(device_, *image);
     std::vector<std::uint32_t> values(pixels);
@@ -391,8 +378,8 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which, 
     for (const MapDescription& map : planned_[which].technique->maps) {
       if (map.name != name) continue;
       const auto maximum = map.maximum > 0 ? static_cast<std::uint32_t>(map.maximum) : result.samples;
-      result.images[name] = write_png(fmt::format("{}_{}.png", stem, name),
-                                      colour_counts(width_, height_, values, maximum, map.title, map.unit).image);
+      result.images[name] =
+          write_png(fmt::format("{}_{}.png", stem, name), colour_counts(width_, height_, values, maximum));
       std::uint64_t total = 0;
       for (const std::uint32_t value : values) total += value;
       result.counters[name] = total;
@@ -414,7 +401,7 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which, 
   if (frame_before_ && *frame_before_ + 1 == result.frame && before_[which].width != 0 &&
       truth_before != references_before_.end())
     result.error.flicker = flicker(truth_before->second.image.display, truth.display, before_[which], display);
-  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(truth.display, display)).image);
+  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(truth.display, display)));
   before_[which] = std::move(display);
 }
 
