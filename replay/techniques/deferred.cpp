@@ -57,19 +57,6 @@ gpu::Image& sum_image(gpu::PassRecorder& recorder, const FrameSetup& setup) {
                          kTarget | VK_IMAGE_USAGE_STORAGE_BIT, false});
 }
 
-gpu::Image& map_image(gpu::PassRecorder& recorder, const FrameSetup& setup, std::string name) {
-  return recorder.image(
-      {std::move(name), VK_FORMAT_R32_UINT, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
-}
-
-const char* buffer_variant(const gpu::Device& device) {
-  return device.info().pixel_interlock ? "INTERLOCK" : "BUFFER";
-}
-
-std::uint64_t state_pixels(const FrameSetup& setup) {
-  return std::uint64_t{setup.width} * ((setup.height + 3) / 4 * 4) + 4;
-}
-
 PixelList record_pixel_list(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& flags) {
   constexpr std::uint32_t kTile = 8;
   const std::uint32_t tiles = ((setup.width + kTile - 1) / kTile) * ((setup.height + kTile - 1) / kTile);

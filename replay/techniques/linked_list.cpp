@@ -79,7 +79,7 @@ void bind(Pass& pass, const Lists& lists) {
   pass.bindings.push_back(gpu::writes(LINK_SLOT_POOL, *lists.pool));
 }
 
-gpu::RasterPass fullscreen_pass(const LinkedListSetup& setup, std::string name, std::string fragment) {
+gpu::RasterPass list_pass(const LinkedListSetup& setup, std::string name, std::string fragment) {
   gpu::RasterPass pass;
   pass.name = std::move(name);
   pass.pipeline.vertex = "shade/fullscreen.vert";
@@ -108,7 +108,7 @@ void record_allocation(gpu::PassRecorder& recorder, const LinkedListSetup& setup
   const std::uint32_t sums = allocation(setup) == LINK_ALLOCATE_LARGEST ? tiles * setup.samples : tiles;
   gpu::Buffer& needed = recorder.buffer("blocks by tile", (std::uint64_t{sums} + 1) * 16);
   gpu::Image& leaders = map_image(recorder, setup, "leaders");
-  gpu::RasterPass find = fullscreen_pass(setup, kLink, "techniques/linked_list/leaders.frag");
+  gpu::RasterPass find = list_pass(setup, kLink, "techniques/linked_list/leaders.frag");
   find.colours = {{leaders}};
   bind(find, lists);
   recorder.raster(std::move(find));
@@ -181,7 +181,7 @@ void record_maps(gpu::PassRecorder& recorder, const LinkedListSetup& setup, cons
     maps.push_back(&map_image(recorder, setup, name));
     setup.outputs.maps.emplace_back(name, maps.back());
   }
-  gpu::RasterPass pass = fullscreen_pass(setup, "maps", "techniques/linked_list/maps.frag");
+  gpu::RasterPass pass = list_pass(setup, "maps", "techniques/linked_list/maps.frag");
   for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
   bind(pass, lists);
   recorder.host(
