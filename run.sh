@@ -16,7 +16,7 @@ for argument in "$@"; do
 done
 listen=${SUBPIXEL_LISTEN:-127.0.0.1:8080}
 subpixel=build/release/subpixel
-scene=capture_format/import/scenes/park.json
+scene=scenes/described/park.json
 capture=demo/park.spcap
 # A size and a reference that two cores finish in minutes; the table's head states both.
 size=1280x720

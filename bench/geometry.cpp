@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "capture_format/generate/generate.hpp"
 #include "capture_format/reader.hpp"
 #include "replay/frontend/visibility.hpp"
+#include "scenes/generate/generate.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -55,7 +55,7 @@ void record_driver_depth(gpu::PassRecorder& recorder, GpuScene& scene, Frontend&
                                       VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, false});
   gpu::RasterPass pass;
   pass.name = fmt::format("driver {}x depth", static_cast<int>(samples));
-  pass.pipeline.vertex = "bench/plain.vert";
+  pass.pipeline.vertex = "tests/plain.vert";
   pass.pipeline.targets.depth = VK_FORMAT_D32_SFLOAT;
   pass.pipeline.targets.samples = samples;
   pass.pipeline.targets.clear = true;

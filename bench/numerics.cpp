@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "capture_format/error.hpp"
-#include "capture_format/generate/generate.hpp"
-#include "capture_format/import/import.hpp"
+#include "base/error.hpp"
+#include "scenes/generate/generate.hpp"
+#include "scenes/import/import.hpp"
 #include "tests/hard_cases/bounds.hpp"
 #include "tests/hard_cases/case_run.hpp"
 
@@ -136,7 +136,7 @@ void print_features() {
     print_features_of(device, name, capture::generate(name, {.frames = 1, .width = 320, .height = 180}));
   try {
     print_features_of(device, "park",
-                      capture::import_file(SUBPIXEL_SOURCE_DIR "/capture_format/import/scenes/park.json",
+                      capture::import_file(SUBPIXEL_SOURCE_DIR "/scenes/described/park.json",
                                            {.frames = 1, .width = 320, .height = 180}));
   } catch (const InputError& error) {  // its models come from a package of their own
     fmt::print(stderr, "without the park: {}\n", error.what());

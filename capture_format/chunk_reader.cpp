@@ -9,7 +9,7 @@
 #include <new>
 #include <utility>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::capture {
 namespace {

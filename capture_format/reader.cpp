@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
+#include "base/error.hpp"
 #include "capture_format/checks.hpp"
 #include "capture_format/chunk_reader.hpp"
-#include "capture_format/error.hpp"
 #include "capture_format/record_reader.hpp"
 
 namespace subpixel::capture {

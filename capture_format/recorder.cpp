@@ -3,9 +3,9 @@
 #include <string_view>
 #include <utility>
 
+#include "base/error.hpp"
+#include "base/hash.hpp"
 #include "capture_format/checks.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/hash.hpp"
 #include "capture_format/limits.hpp"
 #include "capture_format/writer.hpp"
 

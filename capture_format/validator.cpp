@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/gtc/type_ptr.hpp>
-#include <glm/mat4x4.hpp>
-#include <glm/matrix.hpp>
 #include <map>
 #include <set>
 #include <tuple>
@@ -24,8 +21,18 @@ bool is_finite(const Matrix4& matrix) {
   return std::all_of(matrix.begin(), matrix.end(), [](float v) { return std::isfinite(v); });
 }
 
+// The determinant by the first column's cofactors, in doubles, of which the products of two elements are exact.
 bool is_singular(const Matrix4& matrix) {
-  return glm::determinant(glm::dmat4(glm::make_mat4(matrix.data()))) == 0;
+  const auto at = [&](std::size_t column, std::size_t row) { return double{matrix[4 * column + row]}; };
+  // Of the last two columns.
+  const auto minor = [&](std::size_t i, std::size_t j) { return at(2, i) * at(3, j) - at(3, i) * at(2, j); };
+  // Of the last three.
+  const auto cofactor = [&](std::size_t i, std::size_t j, std::size_t k) {
+    return at(1, i) * minor(j, k) - at(1, j) * minor(i, k) + at(1, k) * minor(i, j);
+  };
+  return at(0, 0) * cofactor(1, 2, 3) - at(0, 1) * cofactor(0, 2, 3) + at(0, 2) * cofactor(0, 1, 3) -
+             at(0, 3) * cofactor(0, 1, 2) ==
+         0;
 }
 
 class Validation {

@@ -6,11 +6,11 @@
 #include <span>
 #include <string>
 
-#include "capture_format/atomic_file.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/hash.hpp"
 #include "capture_format/checks.hpp"
 #include "capture_format/chunk.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/hash.hpp"
 #include "capture_format/limits.hpp"
 #include "capture_format/record_writer.hpp"
 

@@ -10,17 +10,17 @@
 #include <string>
 #include <vector>
 
-#include "capture_format/error.hpp"
-#include "capture_format/generate/generate.hpp"
-#include "capture_format/hash.hpp"
-#include "capture_format/json_text.hpp"
-#include "capture_format/printable.hpp"
+#include "base/error.hpp"
+#include "base/hash.hpp"
+#include "base/json_text.hpp"
+#include "base/printable.hpp"
 #include "capture_format/reader.hpp"
 #include "capture_format/summary.hpp"
 #include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
 #include "cli/option_values.hpp"
 #include "cli/written_summary.hpp"
+#include "scenes/generate/generate.hpp"
 
 namespace subpixel::cli {
 namespace {
@@ -90,8 +90,7 @@ struct FileArguments {
 int info(const FileArguments& arguments) {
   const std::filesystem::path path = arguments.file;
   const capture::Capture read = capture::read_capture(path);
-  const nlohmann::json summary =
-      capture::summarize(read, capture::content_hash_hex(path), std::filesystem::file_size(path));
+  const nlohmann::json summary = capture::summarize(read, content_hash_hex(path), std::filesystem::file_size(path));
   if (arguments.json) {
     fmt::print("{}\n", json_text(summary, 2));
     return 0;

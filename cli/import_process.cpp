@@ -15,10 +15,10 @@
 #include <system_error>
 #include <thread>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/failure.hpp"
-#include "capture_format/printable.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/failure.hpp"
+#include "base/printable.hpp"
 #include "capture_format/writer.hpp"
 #include "cli/written_summary.hpp"
 #include "process/child_process.hpp"

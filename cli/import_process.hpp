@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "capture_format/import/import.hpp"
+#include "scenes/import/import.hpp"
 
 namespace subpixel::cli {
 

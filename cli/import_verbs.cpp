@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "capture_format/import/import.hpp"
 #include "cli/import_process.hpp"
 #include "cli/option_values.hpp"
+#include "scenes/import/import.hpp"
 
 namespace subpixel::cli {
 namespace {

@@ -7,15 +7,15 @@
 #include <functional>
 #include <string_view>
 
-#include "capture_format/failure.hpp"
-#include "capture_format/printable.hpp"
+#include "base/failure.hpp"
+#include "base/printable.hpp"
 #include "cli/capture_verbs.hpp"
 #include "cli/import_verbs.hpp"
 #include "cli/measure_verbs.hpp"
 #include "cli/nightly_verbs.hpp"
 #include "cli/replay_verbs.hpp"
 #include "cli/service_verbs.hpp"
-#include "server/sqlite.hpp"
+#include "server/store/sqlite.hpp"
 
 namespace {
 

@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/json_text.hpp"
-#include "capture_format/printable.hpp"
-#include "replay/measure/advisor.hpp"
+#include "base/atomic_file.hpp"
+#include "base/json_text.hpp"
+#include "base/printable.hpp"
 #include "replay/measure/comparison.hpp"
 #include "replay/measure/maps.hpp"
-#include "replay/measure/results_file.hpp"
+#include "replay/results/advisor.hpp"
+#include "replay/results/results_file.hpp"
 
 namespace subpixel::cli {
 namespace {

@@ -8,15 +8,16 @@
 #include <optional>
 #include <string>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/json_text.hpp"
-#include "capture_format/printable.hpp"
-#include "server/data_folder.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/json_text.hpp"
+#include "base/printable.hpp"
 #include "server/nightly/config.hpp"
+#include "server/nightly/night_store.hpp"
 #include "server/nightly/run_night.hpp"
 #include "server/nightly/summaries.hpp"
-#include "server/store.hpp"
+#include "server/store/data_folder.hpp"
+#include "server/store/store.hpp"
 
 namespace subpixel::cli {
 namespace {
@@ -72,16 +73,17 @@ struct BaselineArguments {
 int baseline_set(const BaselineArguments& arguments) {
   const DataFolder folder(arguments.data, DataFolder::Claim::reader);
   server::Store store(folder.store());
+  server::NightStore nights(store);
   std::optional<std::int64_t> id = arguments.night;
   if (!id) {
-    for (const NightRecord& night : store.nights(100, 0, "")) {
+    for (const NightRecord& night : nights.nights(100, 0, "")) {
       if (night.finished_utc.empty() || night.status == server::NightStatus::interrupted) continue;
       id = night.id;
       break;
     }
   }
   if (!id) throw InputError("baseline", "there is no finished night", folder.store().string());
-  if (!store.set_baseline(arguments.name, *id)) {
+  if (!nights.set_baseline(arguments.name, *id)) {
     throw InputError("baseline", "there is no finished night of this number", std::to_string(*id));
   }
   fmt::print("{} is night {}\n", printable(arguments.name), *id);
@@ -90,9 +92,10 @@ int baseline_set(const BaselineArguments& arguments) {
 
 int baseline_list(const BaselineArguments& arguments) {
   const DataFolder folder(arguments.data, DataFolder::Claim::reader);
-  const server::Store store(folder.store());
+  server::Store store(folder.store());
+  const server::NightStore nights(store);
   nlohmann::json list = nlohmann::json::array();
-  for (const server::BaselineRecord& baseline : store.baselines()) {
+  for (const server::BaselineRecord& baseline : nights.baselines()) {
     list.push_back({{"name", baseline.name}, {"night", baseline.night}, {"set_utc", baseline.set_utc}});
     if (!arguments.as_json)
       fmt::print("{:<16} night {:<6} set {}\n", printable(baseline.name), baseline.night, baseline.set_utc);
@@ -103,10 +106,11 @@ int baseline_list(const BaselineArguments& arguments) {
 
 int baseline_show(const BaselineArguments& arguments) {
   const DataFolder folder(arguments.data, DataFolder::Claim::reader);
-  const server::Store store(folder.store());
-  for (const server::BaselineRecord& baseline : store.baselines()) {
+  server::Store store(folder.store());
+  const server::NightStore nights(store);
+  for (const server::BaselineRecord& baseline : nights.baselines()) {
     if (baseline.name != arguments.name) continue;
-    const NightRecord night = store.night(baseline.night, false).value();
+    const NightRecord night = nights.night(baseline.night, false).value();
     std::cout << (arguments.as_json ? json_text(to_json(night), 1) + "\n" : to_markdown(night));
     return 0;
   }

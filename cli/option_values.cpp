@@ -6,7 +6,7 @@
 #include <charconv>
 #include <string_view>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::cli {
 namespace {

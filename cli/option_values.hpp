@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "replay/limits.hpp"
+#include "replay/results/limits.hpp"
 
 namespace subpixel::cli {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "capture_format/printable.hpp"
+#include "base/printable.hpp"
 
 namespace subpixel::cli {
 

@@ -11,16 +11,16 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/failure.hpp"
-#include "capture_format/json_text.hpp"
-#include "capture_format/printable.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/failure.hpp"
+#include "base/json_text.hpp"
+#include "base/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/progress_line.hpp"
-#include "replay/measure/plots.hpp"
-#include "replay/measure/results_file.hpp"
 #include "replay/replay.hpp"
+#include "replay/results/plots.hpp"
+#include "replay/results/results_file.hpp"
 #include "replay/techniques/technique.hpp"
 
 namespace subpixel::cli {

@@ -14,8 +14,8 @@
 #include <string>
 #include <thread>
 
-#include "capture_format/error.hpp"
-#include "capture_format/printable.hpp"
+#include "base/error.hpp"
+#include "base/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/submission.hpp"
 #include "server/service.hpp"

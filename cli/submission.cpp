@@ -11,13 +11,13 @@
 #include <thread>
 #include <vector>
 
-#include "capture_format/error.hpp"
-#include "capture_format/hash.hpp"
-#include "capture_format/printable.hpp"
+#include "base/error.hpp"
+#include "base/hash.hpp"
+#include "base/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/progress_line.hpp"
-#include "replay/results.hpp"
-#include "replay/techniques/parameters.hpp"
+#include "replay/results/parameters.hpp"
+#include "replay/results/results.hpp"
 
 namespace subpixel::cli {
 namespace {
@@ -124,7 +124,7 @@ json follow(httplib::Client& client, const std::string& run_path) {
 
 // The capture's hash, once the service has it. One that it has already is not sent again.
 std::string hash_at_service(httplib::Client& client, const Submission& submission) {
-  const std::string hash = capture::content_hash_hex(std::filesystem::path(submission.file));
+  const std::string hash = content_hash_hex(std::filesystem::path(submission.file));
   const httplib::Result known = client.Get("/api/captures/" + hash);
   if (known && known->status == 200) return hash;
   return send_capture(client, submission).at("hash").get<std::string>();

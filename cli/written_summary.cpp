@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "capture_format/hash.hpp"
+#include "base/hash.hpp"
 #include "capture_format/summary.hpp"
 
 namespace subpixel::cli {
@@ -10,8 +10,8 @@ namespace subpixel::cli {
 std::string written_summary(const capture::Capture& made, const std::filesystem::path& path) {
   // A device or a pipe can't be read again.
   const bool is_file = std::filesystem::is_regular_file(path);
-  const nlohmann::json summary = capture::summarize(made, is_file ? capture::content_hash_hex(path) : "",
-                                                    is_file ? std::filesystem::file_size(path) : 0);
+  const nlohmann::json summary =
+      capture::summarize(made, is_file ? content_hash_hex(path) : "", is_file ? std::filesystem::file_size(path) : 0);
   const std::string counts =
       fmt::format("{} frames, {} draws, {} triangles", summary["frame_count"].get<std::uint64_t>(),
                   summary["draws"].get<std::uint64_t>(), summary["triangles"].get<std::uint64_t>());

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::replay {
 

@@ -9,19 +9,19 @@
 #include <map>
 #include <tuple>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/hash.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/hash.hpp"
 #include "capture_format/reader.hpp"
 #include "replay/gpu/litmus.hpp"
+#include "replay/host_clock.hpp"
 #include "replay/inspection.hpp"
-#include "replay/limits.hpp"
 #include "replay/measure/flip.hpp"
-#include "replay/measure/host_clock.hpp"
 #include "replay/measure/maps.hpp"
 #include "replay/measure/metrics.hpp"
 #include "replay/reference/reference.hpp"
 #include "replay/reference/reference_cache.hpp"
+#include "replay/results/limits.hpp"
 #include "replay/scene/lights.hpp"
 #include "replay/techniques/frame_setup.hpp"
 
@@ -180,7 +180,7 @@ void Replay::make_head() {
   if (width_ == 0 || height_ == 0 || width_ > limit || height_ > limit)
     throw DeviceError(
         "size", fmt::format("{}x{} is not within 1x1 and the device's {}x{}", width_, height_, limit, limit), "--size");
-  head_.capture_hash = capture::content_hash_hex(job_.capture);
+  head_.capture_hash = content_hash_hex(job_.capture);
   head_.capture_title = capture_.metadata.title;
   const auto& info = device_.info();
   head_.device = info.device;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "replay/results.hpp"
-#include "replay/worker_protocol.hpp"
+#include "replay/results/results.hpp"
+#include "replay/results/worker_protocol.hpp"
 
 namespace subpixel::replay {
 

@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 limit=${SUBPIXEL_TIDY_SECONDS:-240}
-folders=(capture_format replay server cli tests bench)
+folders=(base capture_format scenes replay process web server cli tests bench)
 
 mapfile -t sources < <(find "${folders[@]}" -name '*.cpp' -o -name '*.hpp' | sort)
 # Other versions break some lines elsewhere.
@@ -29,9 +29,9 @@ shared_hash=$({ cat .clang-tidy; clang-tidy --version; find "${folders[@]}" -nam
 
 # What reads other people's bytes comes first: it has most to gain, should the time not be enough for all.
 mapfile -t candidates < <(
-  { ls capture_format/*.cpp server/*.cpp
-    find capture_format/import replay cli capture_format/generate -name '*.cpp' | sort
-  } | while read -r file; do
+  for folder in base capture_format server scenes/import replay process cli scenes/builder scenes/generate; do
+    find "$folder" -name '*.cpp' | sort
+  done | while read -r file; do
     # Only what the build compiles has a command line to check it with.
     grep -qF "\"file\": \"$PWD/$file\"" build/release/compile_commands.json && echo "$file"
   done)

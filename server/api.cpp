@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <charconv>
 
-#include "replay/limits.hpp"
+#include "replay/results/limits.hpp"
 #include "replay/techniques/technique.hpp"
-#include "server/embedded_files.hpp"
 #include "server/http_error.hpp"
+#include "web/embedded.hpp"
 
 namespace subpixel::server {
 namespace {
@@ -71,6 +71,7 @@ Api::Api(const ServiceOptions& options, const DataFolder& folder, Store& store, 
     : options_(options),
       folder_(folder),
       store_(store),
+      nights_(store),
       events_(events),
       queue_(queue),
       names_(options.host, options.host_names) {}
@@ -203,8 +204,8 @@ void Api::route_web(HttpServer& http) {
     }
   };
   http.Get(R"(/([a-z0-9_/.-]*))", [send](const Request& request, Response& response) {
-    const std::string path = request.path == "/" ? "/index.html" : request.path;
-    for (const EmbeddedFile& file : web_files()) {
+    const std::string path = request.path == "/" ? "index.html" : request.path.substr(1);
+    for (const EmbeddedFile& file : web::files()) {
       if (file.path == path) return send(file, request, response);
     }
     throw HttpError(404, "there is no such page", "see docs/http_api.md for what there is", request.path);

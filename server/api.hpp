@@ -7,13 +7,14 @@
 #include <stop_token>
 #include <string>
 
-#include "server/data_folder.hpp"
 #include "server/http_server.hpp"
 #include "server/job_queue.hpp"
+#include "server/nightly/night_store.hpp"
 #include "server/own_names.hpp"
 #include "server/run_events.hpp"
 #include "server/service.hpp"
-#include "server/store.hpp"
+#include "server/store/data_folder.hpp"
+#include "server/store/store.hpp"
 
 namespace subpixel::server {
 
@@ -67,6 +68,7 @@ class Api {
   const ServiceOptions& options_;
   const DataFolder& folder_;
   Store& store_;
+  NightStore nights_;
   RunEvents& events_;
   JobQueue& queue_;
   OwnNames names_;

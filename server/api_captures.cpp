@@ -6,12 +6,12 @@
 
 #include <memory>
 
-#include "capture_format/printable.hpp"
+#include "base/json_document.hpp"
+#include "base/printable.hpp"
 #include "server/api.hpp"
 #include "server/byte_range.hpp"
 #include "server/capture_inspection.hpp"
 #include "server/http_error.hpp"
-#include "server/json_document.hpp"
 #include "server/run_request.hpp"
 #include "server/upload.hpp"
 
@@ -141,9 +141,9 @@ void Api::post_tags(const std::string& hash, const Request& request, Response& r
   const std::string what = "tags";
   const nlohmann::json document =
       parse_json_document(read_json_body(request, read, "the list of tags"), what, "the body");
-  const replay::JsonField top(document, what);
+  const JsonField top(document, what);
   check_names(top, {"tags"}, what, "top level");
-  const replay::JsonField list = top.member("tags");
+  const JsonField list = top.member("tags");
   if (list.array_size() > kMaxTags) list.fail(fmt::format("more than {} tags", kMaxTags));
   std::vector<std::string> tags;
   for (std::size_t i = 0; i < list.array_size(); ++i) {

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "base/json_document.hpp"
 #include "server/api.hpp"
 #include "server/http_error.hpp"
-#include "server/json_document.hpp"
 #include "server/nightly/summaries.hpp"
 
 namespace subpixel::server {
@@ -78,7 +78,7 @@ void Api::route_nights(HttpServer& http) {
   });
   http.Get("/api/baselines", [this](const Request&, Response& response) {
     json list = json::array();
-    for (const BaselineRecord& baseline : store_.baselines()) {
+    for (const BaselineRecord& baseline : nights_.baselines()) {
       list.push_back({{"name", baseline.name}, {"night", baseline.night}, {"set_utc", baseline.set_utc}});
     }
     response.set_header("Cache-Control", "no-store");
@@ -90,7 +90,7 @@ void Api::route_nights(HttpServer& http) {
 }
 
 NightRecord Api::find_night(const std::string& id) const {
-  std::optional<NightRecord> night = store_.night(parse_id(id), false);
+  std::optional<NightRecord> night = nights_.night(parse_id(id), false);
   if (!night) throw HttpError(404, "there is no such night", "none has this number", id);
   return *std::move(night);
 }
@@ -98,7 +98,7 @@ NightRecord Api::find_night(const std::string& id) const {
 void Api::list_nights(const Request& request, Response& response) const {
   const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListed, 30));
   const std::int64_t before = query_number(request, "before", 1, INT64_MAX, 0);
-  const std::vector<NightRecord> nights = store_.nights(limit + 1, before, request.get_param_value("name"));
+  const std::vector<NightRecord> nights = nights_.nights(limit + 1, before, request.get_param_value("name"));
   json list = json::array();
   for (std::size_t i = 0; i < nights.size() && i < limit; ++i) list.push_back(short_json(nights[i]));
   // One more than asked for was read, so that a full last page is not followed by an empty one.
@@ -113,12 +113,12 @@ void Api::send_cell(const NightRecord& night, std::int64_t cell, Response& respo
     throw HttpError(404, "there is no such cell", "none of this night has this number", std::to_string(cell));
   }
   const std::string capture = night.captures.at(found->capture).name;
-  const std::optional<NightCell> tonight = store_.night_cell(found->id);
+  const std::optional<NightCell> tonight = nights_.cell(found->id);
   std::optional<NightCell> before;
   if (night.baseline_night) {
-    if (const std::optional<NightRecord> baseline = store_.night(*night.baseline_night, false)) {
+    if (const std::optional<NightRecord> baseline = nights_.night(*night.baseline_night, false)) {
       const NightCell* counterpart = find_cell(*baseline, capture, found->technique);
-      if (counterpart != nullptr) before = store_.night_cell(counterpart->id);
+      if (counterpart != nullptr) before = nights_.cell(counterpart->id);
     }
   }
   json document = {{"id", found->id},
@@ -136,12 +136,12 @@ void Api::send_cell(const NightRecord& night, std::int64_t cell, Response& respo
 void Api::post_baseline(const Request& request, Response& response, const httplib::ContentReader& read) {
   const std::string what = "baseline";
   const json document = parse_json_document(read_json_body(request, read, "the baseline"), what, "the body");
-  const replay::JsonField top(document, what);
+  const JsonField top(document, what);
   check_names(top, {"name", "night"}, what, "top level");
   const std::string name = top.member("name").text();
   if (name.empty() || name.size() > 100) top.member("name").fail("expected a name of 1 to 100 bytes");
   const std::uint32_t night = top.member("night").u32();
-  if (!store_.set_baseline(name, night)) {
+  if (!nights_.set_baseline(name, night)) {
     throw HttpError(404, "there is no such night", "none that has ended has this number", std::to_string(night));
   }
   write_json(response, 200, {{"name", name}, {"night", night}});

@@ -7,8 +7,8 @@
 #include <memory>
 #include <span>
 
-#include "replay/measure/advisor.hpp"
-#include "replay/measure/plots.hpp"
+#include "replay/results/advisor.hpp"
+#include "replay/results/plots.hpp"
 #include "server/api.hpp"
 #include "server/http_error.hpp"
 #include "server/run_request.hpp"

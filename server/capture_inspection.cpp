@@ -4,16 +4,14 @@
 
 #include <utility>
 
-#include "capture_format/error.hpp"
-#include "capture_format/failure.hpp"
-#include "capture_format/printable.hpp"
-#include "replay/measure/json_fields.hpp"
+#include "base/error.hpp"
+#include "base/failure.hpp"
+#include "base/json_fields.hpp"
+#include "base/printable.hpp"
 #include "server/http_error.hpp"
 
 namespace subpixel::server {
 namespace {
-
-using replay::JsonField;
 
 constexpr std::size_t kMaxSummaryBytes = std::size_t{16} << 20;
 constexpr std::size_t kMaxTitleBytes = 200;

@@ -5,7 +5,7 @@
 
 #include "process/child_process.hpp"
 #include "server/job_queue.hpp"
-#include "server/store.hpp"
+#include "server/store/store.hpp"
 
 namespace subpixel::server {
 

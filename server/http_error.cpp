@@ -2,16 +2,16 @@
 
 #include <spdlog/spdlog.h>
 
-#include "capture_format/error.hpp"
-#include "capture_format/printable.hpp"
-#include "server/sqlite.hpp"
+#include "base/error.hpp"
+#include "base/printable.hpp"
+#include "server/store/sqlite.hpp"
 
 namespace subpixel::server {
 namespace {
 
 constexpr std::size_t kMaxMessageBytes = 2000;
 
-// The parts of "what: why: where" (capture_format/error.hpp).
+// The parts of "what: why: where" (base/error.hpp).
 HttpError split_message(int status, std::string_view message) {
   const std::size_t first = message.find(": ");
   if (first == std::string_view::npos) return {status, std::string(message), "", ""};

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/failure.hpp"
-#include "capture_format/printable.hpp"
+#include "base/atomic_file.hpp"
+#include "base/failure.hpp"
+#include "base/printable.hpp"
 #include "server/worker_session.hpp"
 
 namespace subpixel::server {

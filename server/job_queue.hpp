@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "process/child_process.hpp"
-#include "server/data_folder.hpp"
 #include "server/run_events.hpp"
-#include "server/store.hpp"
+#include "server/store/data_folder.hpp"
+#include "server/store/store.hpp"
 
 namespace subpixel::server {
 

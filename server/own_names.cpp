@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::server {
 namespace {

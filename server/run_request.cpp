@@ -5,17 +5,17 @@
 #include <algorithm>
 #include <array>
 
-#include "capture_format/error.hpp"
-#include "capture_format/printable.hpp"
-#include "replay/measure/json_fields.hpp"
+#include "base/error.hpp"
+#include "base/json_document.hpp"
+#include "base/json_fields.hpp"
+#include "replay/complete_technique.hpp"
+#include "replay/results/limits.hpp"
 #include "replay/techniques/technique.hpp"
-#include "server/json_document.hpp"
 
 namespace subpixel::server {
 namespace {
 
 using nlohmann::json;
-using replay::JsonField;
 
 constexpr std::string_view kWhat = "run request";
 
@@ -36,7 +36,7 @@ replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t ind
       given[item.key()] = item.value();
     }
   }
-  return complete_technique(entry.member("technique").text(), std::move(given), samples);
+  return replay::complete_technique(entry.member("technique").text(), std::move(given), samples);
 }
 
 // An entry is one technique, or a text in the command line's syntax, whose sweeps make it several.
@@ -55,7 +55,7 @@ std::vector<replay::TechniqueRequest> parse_techniques(const JsonField& list, st
     const JsonField entry = list.element(i);
     if (entry.raw().is_string()) {
       for (replay::TechniqueRequest& request : replay::parse_technique_list(entry.text())) {
-        add(complete_technique(request.technique, std::move(request.parameters), samples), entry);
+        add(replay::complete_technique(request.technique, std::move(request.parameters), samples), entry);
       }
     } else {
       add(parse_technique(entry, i, samples), entry);
@@ -65,18 +65,6 @@ std::vector<replay::TechniqueRequest> parse_techniques(const JsonField& list, st
 }
 
 }  // namespace
-
-replay::TechniqueRequest complete_technique(const std::string& name, replay::ParameterValues given,
-                                            std::uint32_t samples) {
-  const replay::Technique& technique = replay::find_technique(printable(name, 60));
-  // As replay::Replay does: the run's number of samples goes to techniques that allow it.
-  for (const replay::Parameter& parameter : technique.parameters) {
-    if (parameter.name == "samples" && std::ranges::count(parameter.allowed, static_cast<double>(samples)) > 0) {
-      given.try_emplace("samples", samples);
-    }
-  }
-  return {name, replay::check_parameters(technique.name, technique.parameters, given)};
-}
 
 RunRequest parse_run_request(std::string_view body) {
   const json document = parse_json_document(body, std::string(kWhat), "the body");

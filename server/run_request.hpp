@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "replay/worker_protocol.hpp"
+#include "replay/results/worker_protocol.hpp"
 
 namespace subpixel::server {
 
@@ -13,11 +13,6 @@ struct RunRequest {
   std::string capture;            // content hash
   replay::ReplayOptions options;  // every parameter filled in; `frames` as given
 };
-
-// `name` with every parameter filled in: `given`, then `samples` where the technique lets one choose them, then the
-// defaults. Throws UsageError.
-replay::TechniqueRequest complete_technique(const std::string& name, replay::ParameterValues given,
-                                            std::uint32_t samples);
 
 // Throws InputError (with line and column for broken JSON, with the field's path otherwise) or UsageError, which names
 // the valid techniques, parameters and ranges.

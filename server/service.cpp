@@ -7,9 +7,9 @@
 #include <mutex>
 #include <thread>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "server/api.hpp"
-#include "server/data_folder.hpp"
+#include "server/store/data_folder.hpp"
 
 namespace subpixel::server {
 

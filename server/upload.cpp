@@ -9,7 +9,7 @@
 #include <fstream>
 #include <vector>
 
-#include "capture_format/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "server/http_error.hpp"
 
 namespace subpixel::server {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/data_folder.hpp"
+#include "server/store/data_folder.hpp"
 
 namespace subpixel::server {
 

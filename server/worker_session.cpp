@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "capture_format/error.hpp"
-#include "capture_format/printable.hpp"
-#include "replay/measure/json_fields.hpp"
-#include "server/worker_files.hpp"
+#include "base/error.hpp"
+#include "base/json_fields.hpp"
+#include "base/printable.hpp"
+#include "server/store/worker_files.hpp"
 
 namespace subpixel::server {
 namespace {
@@ -36,7 +36,7 @@ bool WorkerSession::take_line(std::string_view line) {
 }
 
 void WorkerSession::take_document(const json& document) {
-  const replay::JsonField message(document, "worker message");
+  const JsonField message(document, "worker message");
   const std::string type = message.member("type").text();
   if (done_) throw InputError("worker message", "it follows \"done\"", type);
   if (type == "progress") {
@@ -56,7 +56,7 @@ void WorkerSession::take_document(const json& document) {
 }
 
 void WorkerSession::take_progress(const json& document) {
-  const replay::JsonField message(document, "worker message");
+  const JsonField message(document, "worker message");
   json progress = {
       {"stage", printable(message.member("stage").text(), kMaxProgressText)},
       {"done", message.member("done").number()},

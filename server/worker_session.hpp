@@ -1,5 +1,5 @@
-// What the server makes of one worker's lines (replay/worker_protocol.hpp): results and their images go to the store,
-// progress to the waiting streams. Every line is checked; the worker is a process that may have gone wrong.
+// What the server makes of one worker's lines (replay/results/worker_protocol.hpp): results and their images go to the
+// store, progress to the waiting streams. Every line is checked; the worker is a process that may have gone wrong.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "server/run_events.hpp"
-#include "server/store.hpp"
+#include "server/store/store.hpp"
 
 namespace subpixel::server {
 

@@ -1,4 +1,4 @@
-// Cost against error of all settings of a run, and the advisor. The service draws and decides (replay/measure/plots.hpp,
+// Cost against error of all settings of a run, and the advisor. The service draws and decides (replay/results/plots.hpp,
 // advisor.hpp), so that the page says what the command line says.
 import {get} from './api.js';
 import {field, h, replace} from './dom.js';

@@ -12,9 +12,9 @@
 
 #include "bench/precision/exact_frame.hpp"
 #include "bench/precision/formats.hpp"
-#include "capture_format/generate/generate.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/metrics.hpp"
+#include "scenes/generate/generate.hpp"
 #include "tests/hard_cases/case_run.hpp"
 
 namespace subpixel::precision {

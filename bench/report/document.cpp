@@ -9,9 +9,9 @@
 #include <map>
 #include <set>
 
+#include "base/atomic_file.hpp"
 #include "bench/report/winners.hpp"
-#include "capture_format/atomic_file.hpp"
-#include "replay/measure/plots.hpp"
+#include "replay/results/plots.hpp"
 
 namespace subpixel::report {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "bench/report/plan.hpp"
 #include "bench/report/verdict.hpp"
-#include "replay/results.hpp"
+#include "replay/results/results.hpp"
 
 namespace subpixel::report {
 

@@ -6,8 +6,8 @@
 #include <array>
 #include <string_view>
 
-#include "capture_format/generate/generate.hpp"
 #include "replay/techniques/technique.hpp"
+#include "scenes/generate/generate.hpp"
 
 namespace subpixel::report {
 namespace {

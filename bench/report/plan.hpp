@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "replay/techniques/parameters.hpp"
+#include "replay/results/parameters.hpp"
 
 namespace subpixel::report {
 

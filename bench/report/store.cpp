@@ -7,12 +7,12 @@
 #include <cmath>
 #include <set>
 
-#include "capture_format/error.hpp"
-#include "capture_format/generate/generate.hpp"
-#include "capture_format/import/import.hpp"
+#include "base/error.hpp"
 #include "capture_format/writer.hpp"
-#include "replay/measure/results_file.hpp"
 #include "replay/replay.hpp"
+#include "replay/results/results_file.hpp"
+#include "scenes/generate/generate.hpp"
+#include "scenes/import/import.hpp"
 
 namespace subpixel::report {
 namespace {
@@ -38,7 +38,7 @@ fs::path capture_of(const std::string& scene, const MeasureOptions& options) {
   if (scene == "park") {
     capture::ImportOptions import;
     import.frames = 1;
-    capture::write_capture(capture::import_file(options.source_root / "capture_format/import/scenes/park.json", import),
+    capture::write_capture(capture::import_file(options.source_root / "scenes/described/park.json", import),
                            part.string());
   } else {
     const capture::SceneInfo info = capture::find_scene(scene);

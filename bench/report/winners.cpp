@@ -7,7 +7,7 @@
 #include <iterator>
 #include <map>
 
-#include "replay/measure/advisor.hpp"
+#include "replay/results/advisor.hpp"
 
 namespace subpixel::report {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bench/report/measured.hpp"
-#include "replay/measure/plots.hpp"
-#include "replay/measure/summary.hpp"
+#include "replay/results/plots.hpp"
+#include "replay/results/summary.hpp"
 
 namespace subpixel::report {
 

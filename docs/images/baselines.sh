@@ -14,7 +14,7 @@ techniques+=",sbaa:surfaces=2|4|6|8,sbaa:mode=id:surfaces=2|4|8"
 
 for scene in "${scenes[@]}"; do
   capture=$folder/$scene.spcap
-  if [ "$scene" = park ]; then make=(import capture_format/import/scenes/park.json); else make=(generate "$scene"); fi
+  if [ "$scene" = park ]; then make=(import scenes/described/park.json); else make=(generate "$scene"); fi
   [ -e "$capture" ] || "$subpixel" "${make[@]}" "$capture" --frames 1 --size 640x360
   [ -e "$folder/$scene/results.json" ] ||
     "$subpixel" replay "$capture" --techniques "$techniques" --repeat 1 --out "$folder/$scene" >"$folder/$scene.txt"

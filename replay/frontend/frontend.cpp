@@ -6,7 +6,7 @@
 #include <cstring>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/frontend/list_passes.hpp"
 #include "shaders/frontend/frontend_types.h"
 

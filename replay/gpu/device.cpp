@@ -8,7 +8,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/gpu/pipeline.hpp"
 #include "replay/gpu/renderdoc.hpp"
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "capture_format/error.hpp"
-#include "capture_format/printable.hpp"
+#include "base/error.hpp"
+#include "base/printable.hpp"
 
 namespace subpixel::gpu {
 namespace {

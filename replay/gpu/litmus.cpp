@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/gpu/pass_recorder.hpp"
 
 namespace subpixel::gpu {

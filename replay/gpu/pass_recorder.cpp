@@ -5,7 +5,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::gpu {
 

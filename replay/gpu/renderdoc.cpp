@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::gpu {
 namespace {

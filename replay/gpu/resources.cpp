@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::gpu {
 namespace {

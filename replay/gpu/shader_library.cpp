@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/gpu/spirv.hpp"
 #include "shaders/embedded.hpp"
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/measure/metrics.hpp"
 
 namespace subpixel::replay {

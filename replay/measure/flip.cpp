@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/measure/flip_exposures.hpp"
 #include "replay/measure/flip_lanes.hpp"
 #include "replay/measure/flip_rows.hpp"

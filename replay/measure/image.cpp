@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::replay {
 namespace {

@@ -5,7 +5,7 @@
 #include <initializer_list>
 #include <map>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::replay {
 namespace {

@@ -10,8 +10,8 @@
 #include <memory>
 #include <system_error>
 
-#include "capture_format/error.hpp"
-#include "capture_format/printable.hpp"
+#include "base/error.hpp"
+#include "base/printable.hpp"
 #include "replay/measure/image_channels.hpp"
 #include "replay/measure/image_format.hpp"
 

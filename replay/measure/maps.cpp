@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/measure/metrics.hpp"
 
 namespace subpixel::replay {

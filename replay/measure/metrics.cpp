@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::replay {
 namespace {

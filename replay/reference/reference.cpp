@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "capture_format/error.hpp"
-#include "replay/limits.hpp"
+#include "base/error.hpp"
 #include "replay/reference/texture_table.hpp"
 #include "replay/reference/triangle_list.hpp"
 #include "replay/reference/turns.hpp"
+#include "replay/results/limits.hpp"
 
 namespace subpixel::replay {
 namespace {

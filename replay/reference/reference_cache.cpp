@@ -9,8 +9,8 @@
 #include <memory>
 #include <vector>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/error.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
 #include "shaders/embedded.hpp"
 
 namespace subpixel::replay {

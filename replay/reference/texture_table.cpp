@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/scene/materials.hpp"
 #include "replay/scene/textures.hpp"
 #include "shaders/reference/reference_types.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::replay {
 namespace {

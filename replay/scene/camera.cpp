@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::replay {
 namespace {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "capture_format/streams.hpp"
 #include "replay/scene/materials.hpp"
 #include "replay/scene/tangents.hpp"

@@ -6,10 +6,10 @@
 #include <map>
 #include <memory>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "capture_format/streams.hpp"
 #include "replay/gpu/material_sets.hpp"
-#include "replay/limits.hpp"
+#include "replay/results/limits.hpp"
 #include "replay/scene/frame_points.hpp"
 #include "replay/scene/materials.hpp"
 #include "replay/scene/shadow_pass.hpp"

@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::replay {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "capture_format/limits.hpp"
 #include "replay/measure/image.hpp"
 

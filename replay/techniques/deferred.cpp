@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::replay {
 namespace {

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/techniques/technique.hpp"
 
 namespace subpixel::replay {

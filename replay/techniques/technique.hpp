@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "replay/techniques/parameters.hpp"
+#include "replay/results/parameters.hpp"
 
 namespace subpixel::gpu {
 class PassRecorder;

@@ -6,21 +6,21 @@
 #include <fstream>
 #include <sstream>
 
-#include "capture_format/error.hpp"
-#include "capture_format/printable.hpp"
+#include "base/error.hpp"
+#include "base/json_document.hpp"
+#include "base/printable.hpp"
+#include "replay/complete_technique.hpp"
+#include "replay/results/limits.hpp"
 #include "replay/techniques/technique.hpp"
-#include "server/json_document.hpp"
-#include "server/run_request.hpp"
 
 namespace subpixel::server {
 namespace {
 
 using nlohmann::json;
-using replay::JsonField;
 
 const std::string kWhat = "nightly configuration";
 
-// A replay's limits are replay/limits.hpp's; these are of the night itself.
+// A replay's limits are replay/results/limits.hpp's; these are of the night itself.
 constexpr replay::Limit kKeepLimit{.name = "keep", .low = 0, .high = 1'000'000, .unit = "nights", .meaning = "kept"};
 constexpr replay::Limit kConfirmLimit{
     .name = "confirm", .low = 0, .high = 10, .unit = "times", .meaning = "a slower cell is measured again"};
@@ -109,7 +109,7 @@ std::vector<replay::TechniqueRequest> resolve_techniques(const Settings& setting
       for (const replay::TechniqueRequest& given :
            text == "all" ? every_technique() : replay::parse_technique_list(text)) {
         replay::TechniqueRequest request =
-            complete_technique(given.technique, given.parameters, settings.options.samples);
+            replay::complete_technique(given.technique, given.parameters, settings.options.samples);
         const bool twice = std::ranges::any_of(requests, [&](const replay::TechniqueRequest& other) {
           return other.technique == request.technique && other.parameters == request.parameters;
         });

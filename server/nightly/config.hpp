@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "capture_format/generate/generate.hpp"
-#include "replay/worker_protocol.hpp"
+#include "replay/results/worker_protocol.hpp"
+#include "scenes/generate/generate.hpp"
 
 namespace subpixel::server {
 

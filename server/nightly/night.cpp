@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "capture_format/error.hpp"
-#include "replay/measure/json_fields.hpp"
+#include "base/error.hpp"
+#include "base/json_fields.hpp"
 #include "replay/techniques/technique.hpp"
 
 namespace subpixel::server {
@@ -30,7 +30,7 @@ json span_json(const TimeSpan& span) {
   return {{"ms", span.ms}, {"spread", span.spread_ms}};
 }
 
-TimeSpan span_from_field(const replay::JsonField& field) {
+TimeSpan span_from_field(const JsonField& field) {
   return {field.member("ms").number(), field.member("spread").number()};
 }
 
@@ -87,10 +87,10 @@ json to_json(const CellTime& time) {
 }
 
 CellTime cell_time_from_json(const json& document) {
-  const replay::JsonField field(document, "night cell");
+  const JsonField field(document, "night cell");
   CellTime time;
   time.own = span_from_field(field);
-  const replay::JsonField references = field.member("references");
+  const JsonField references = field.member("references");
   for (const auto& item : references.object().items()) {
     time.references[item.key()] = span_from_field(references.member(item.key()));
   }
@@ -106,10 +106,10 @@ json to_json(const std::vector<GateResult>& gates) {
 }
 
 std::vector<GateResult> gates_from_json(const json& document) {
-  const replay::JsonField list(document, "night cell");
+  const JsonField list(document, "night cell");
   std::vector<GateResult> gates;
   for (std::size_t i = 0; i < list.array_size(); ++i) {
-    const replay::JsonField gate = list.element(i);
+    const JsonField gate = list.element(i);
     gates.push_back({gate.member("gate").text(), from_text<GateOutcome>(kOutcomes, gate.member("outcome").text()),
                      gate.member("detail").text()});
   }

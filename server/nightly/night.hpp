@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "replay/results.hpp"
+#include "replay/results/results.hpp"
 
 namespace subpixel::server {
 

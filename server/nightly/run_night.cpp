@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <set>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/failure.hpp"
-#include "capture_format/hash.hpp"
-#include "capture_format/printable.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/failure.hpp"
+#include "base/hash.hpp"
+#include "base/json_fields.hpp"
+#include "base/printable.hpp"
 #include "capture_format/writer.hpp"
 #include "replay/measure/image_file.hpp"
-#include "replay/measure/json_fields.hpp"
 #include "replay/measure/maps.hpp"
 #include "replay/measure/metrics.hpp"
 #include "server/nightly/gates.hpp"
-#include "server/worker_files.hpp"
+#include "server/nightly/night_store.hpp"
+#include "server/store/worker_files.hpp"
 
 namespace subpixel::server {
 namespace {
@@ -53,7 +54,7 @@ Replayed replay_in_worker(const replay::ReplayJob& job, const std::filesystem::p
   const auto take = [&](std::string_view line) {
     try {
       const json document = json::parse(line);
-      const replay::JsonField message(document, "worker message");
+      const JsonField message(document, "worker message");
       const std::string type = message.member("type").text();
       if (type == "head") replayed.head = replay::results_head_from_json(message.member("head").raw());
       if (type == "result") on_result(replay::frame_result_from_json(message.member("result").raw()));
@@ -84,7 +85,7 @@ Replayed replay_in_worker(const replay::ReplayJob& job, const std::filesystem::p
 class Night {
  public:
   Night(const NightlyConfig& config, const DataFolder& folder, Store& store, const NightOptions& options)
-      : config_(config), folder_(folder), store_(store), options_(options) {}
+      : config_(config), folder_(folder), store_(store), nights_(store), options_(options) {}
 
   NightRecord run();
 
@@ -108,6 +109,7 @@ class Night {
   const NightlyConfig& config_;
   const DataFolder& folder_;
   Store& store_;
+  NightStore nights_;
   const NightOptions& options_;
   std::vector<Planned> planned_;
   NightRecord night_;
@@ -115,36 +117,36 @@ class Night {
 };
 
 NightRecord Night::run() {
-  store_.interrupt_nights();
+  nights_.interrupt_running();
   night_.name = config_.name;
   night_.build = SUBPIXEL_VERSION;
   night_.config = config_.document;
   night_.baseline = config_.baseline;
-  for (const BaselineRecord& baseline : store_.baselines()) {
+  for (const BaselineRecord& baseline : nights_.baselines()) {
     if (baseline.name != config_.baseline) continue;
     night_.baseline_night = baseline.night;
-    baseline_ = store_.night(baseline.night, true);
+    baseline_ = nights_.night(baseline.night, true);
   }
-  night_.id = store_.add_night(night_);
+  night_.id = nights_.add(night_);
   plan();
   for (std::size_t i = 0; i < planned_.size(); ++i) replay_capture(i);
   judge_all();
   confirm_times();
   // What the baseline had besides comes into the store now.
   for (auto i = static_cast<std::uint32_t>(planned_.size()); i < night_.captures.size(); ++i) {
-    store_.add_night_capture(night_.id, i, night_.captures[i]);
+    nights_.add_capture(night_.id, i, night_.captures[i]);
   }
   for (NightCell& cell : night_.cells) {
     if (cell.id == 0) {
-      cell.id = store_.add_night_cell(night_.id, cell);
+      cell.id = nights_.add_cell(night_.id, cell);
     } else {
-      store_.update_night_cell(cell);
+      nights_.update_cell(cell);
     }
   }
   const CellCounts counts = count_cells(night_);
-  store_.finish_night(night_.id, counts.failed + counts.missing > 0 ? NightStatus::failed : NightStatus::passed, "");
-  if (config_.keep > 0) store_.drop_old_nights(config_.name, config_.keep);
-  return store_.night(night_.id, true).value();
+  nights_.finish(night_.id, counts.failed + counts.missing > 0 ? NightStatus::failed : NightStatus::passed, "");
+  if (config_.keep > 0) nights_.drop_old(config_.name, config_.keep);
+  return nights_.night(night_.id, true).value();
 }
 
 void Night::plan() {
@@ -160,7 +162,7 @@ void Night::plan() {
       planned.capture.source = source.path.string();
       planned.path = source.path;
       try {
-        planned.capture.hash = capture::content_hash_hex(source.path);
+        planned.capture.hash = content_hash_hex(source.path);
       } catch (...) {
         planned.capture.problem = failure_of(std::current_exception()).message;
       }
@@ -174,7 +176,7 @@ void Night::plan_scene(const CaptureSource& source, Planned planned) {
   planned.path = folder_.night() / fmt::format("scene{}.spcap", planned_.size());
   try {
     capture::write_capture(capture::generate(source.scene, source.generate), planned.path);
-    planned.capture.hash = capture::content_hash_hex(planned.path);
+    planned.capture.hash = content_hash_hex(planned.path);
   } catch (...) {
     planned.capture.problem = failure_of(std::current_exception()).message;
   }
@@ -239,11 +241,11 @@ void Night::replay_capture(std::size_t index) {
     std::filesystem::remove_all(job.out_dir);
   }
   if (!capture.problem.empty()) say(fmt::format("{}: {}", capture.name, capture.problem));
-  store_.add_night_capture(night_.id, static_cast<std::uint32_t>(index), capture);
-  for (NightCell& cell : cells) cell.id = store_.add_night_cell(night_.id, cell);
+  nights_.add_capture(night_.id, static_cast<std::uint32_t>(index), capture);
+  for (NightCell& cell : cells) cell.id = nights_.add_cell(night_.id, cell);
   for (const Waiting& frame : waiting) {
     NightCell& cell = cells[frame.cell];
-    cell.frames.push_back(store_.add_night_frame(cell.id, frame.result, frame.images));
+    cell.frames.push_back(nights_.add_frame(cell.id, frame.result, frame.images));
   }
   for (NightCell& cell : cells) cell.time = cell_time(cell, cells);
   night_.captures.push_back(std::move(capture));
@@ -340,7 +342,7 @@ std::optional<ImageDifference> Night::compare(NightFrame& tonight, const std::st
       difference.pixels += value > 0 ? 1 : 0;
     }
     const std::vector<std::uint8_t> png = replay::encode_png(replay::colour_error(map).image);
-    tonight.difference = store_.add_night_difference(tonight.id, {"image/png", std::string(png.begin(), png.end())});
+    tonight.difference = nights_.add_difference(tonight.id, {"image/png", std::string(png.begin(), png.end())});
     return difference;
   } catch (const Error&) {
     return std::nullopt;  // another size, or no picture

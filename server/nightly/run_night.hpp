@@ -8,10 +8,10 @@
 #include <string>
 
 #include "process/child_process.hpp"
-#include "server/data_folder.hpp"
 #include "server/nightly/config.hpp"
 #include "server/nightly/night.hpp"
-#include "server/store.hpp"
+#include "server/store/data_folder.hpp"
+#include "server/store/store.hpp"
 
 namespace subpixel::server {
 

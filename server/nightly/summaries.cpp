@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "capture_format/printable.hpp"
+#include "base/printable.hpp"
 
 namespace subpixel::server {
 namespace {

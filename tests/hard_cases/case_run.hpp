@@ -10,14 +10,14 @@
 #include <string_view>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "capture_format/capture.hpp"
-#include "capture_format/generate/hard_cases/hard_cases.hpp"
-#include "capture_format/hash.hpp"
 #include "capture_format/writer.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/metrics.hpp"
 #include "replay/reference/reference_cache.hpp"
 #include "replay/techniques/frame_setup.hpp"
+#include "scenes/generate/hard_cases/hard_cases.hpp"
 
 namespace subpixel::replay {
 
@@ -66,7 +66,7 @@ class CaseScene {
   }
 
   ReferenceImage reference(std::uint32_t samples, const std::filesystem::path& folder) {
-    const std::string hash = capture::content_hash_hex(capture::encode_capture(capture, {.zstd_level = 0}));
+    const std::string hash = content_hash_hex(capture::encode_capture(capture, {.zstd_level = 0}));
     return cached_reference(device_, scene, hash, 0, {.samples = samples}, ReferenceCache(folder)).image;
   }
 

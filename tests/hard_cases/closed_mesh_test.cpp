@@ -2,7 +2,7 @@
 // and the device finds the same samples.
 #include <gtest/gtest.h>
 
-#include "capture_format/generate/hard_cases/hard_cases.hpp"
+#include "scenes/generate/hard_cases/hard_cases.hpp"
 #include "tests/technique/frontend_fixture.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
 

@@ -1,5 +1,5 @@
 // What hostile or broken clients send, byte by byte, and what keeps other sites' pages out.
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "tests/service/service_fixture.hpp"
 
 namespace subpixel::tests {

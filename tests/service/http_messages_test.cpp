@@ -1,7 +1,7 @@
 // Forms of requests that are seldom and right: no length, whole addresses as targets, any case, HEAD, ranges.
 #include <map>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "server/own_names.hpp"
 #include "tests/service/service_fixture.hpp"
 

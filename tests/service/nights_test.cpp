@@ -1,10 +1,11 @@
 // Nights over the store and HTTP, replayed by the fake worker.
 #include <fstream>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "server/nightly/config.hpp"
+#include "server/nightly/night_store.hpp"
 #include "server/nightly/run_night.hpp"
-#include "server/store.hpp"
+#include "server/store/store.hpp"
 #include "tests/service/service_fixture.hpp"
 
 namespace subpixel::tests {
@@ -16,6 +17,7 @@ using server::GateOutcome;
 using server::NightCell;
 using server::NightRecord;
 using server::NightStatus;
+using server::NightStore;
 using server::Store;
 
 class Nights : public ServiceTest {
@@ -52,7 +54,10 @@ class Nights : public ServiceTest {
   }
   NightRecord one_capture_night() const { return night(config({{{"path", "one.spcap"}}})); }
 
-  bool approve(std::int64_t id) const { return Store(data() / "subpixel.sqlite").set_baseline("test", id); }
+  bool approve(std::int64_t id) const {
+    Store store(data() / "subpixel.sqlite");
+    return NightStore(store).set_baseline("test", id);
+  }
 
   static const NightCell& cell(const NightRecord& night, const std::string& technique) {
     for (const NightCell& cell : night.cells) {
@@ -206,9 +211,9 @@ TEST_F(Nights, OldNightsGoButNotBaselines) {
   const std::int64_t first = night(document).id;
   ASSERT_TRUE(approve(first));
   for (int i = 0; i < 3; ++i) night(document);
-  const Store store(data() / "subpixel.sqlite");
+  Store store(data() / "subpixel.sqlite");
   std::vector<std::int64_t> ids;
-  for (const NightRecord& each : store.nights(10, 0, "")) ids.push_back(each.id);
+  for (const NightRecord& each : NightStore(store).nights(10, 0, "")) ids.push_back(each.id);
   EXPECT_EQ(ids, (std::vector<std::int64_t>{first + 3, first + 2, first}));
 }
 
@@ -219,13 +224,13 @@ TEST_F(Nights, ANightThatBrokeOffIsSaidSoAndIsNoBaseline) {
     NightRecord broken;
     broken.name = "test";
     broken.config = json::object();
-    store.add_night(broken);
+    NightStore(store).add(broken);
     EXPECT_THROW(DataFolder(data(), DataFolder::Claim::night), InputError) << "one night at a time";
   }
   a_capture();
   one_capture_night();
-  const Store store(data() / "subpixel.sqlite");
-  EXPECT_EQ(store.night(1, false)->status, NightStatus::interrupted);
+  Store store(data() / "subpixel.sqlite");
+  EXPECT_EQ(NightStore(store).night(1, false)->status, NightStatus::interrupted);
   EXPECT_FALSE(approve(1));
   EXPECT_THROW(DataFolder(folder() / "nowhere", DataFolder::Claim::reader), InputError);
 }

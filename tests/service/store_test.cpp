@@ -1,12 +1,12 @@
 // The store by itself: versions, content-addressed blobs, and text from outside.
-#include "server/store.hpp"
+#include "server/store/store.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "capture_format/error.hpp"
-#include "server/embedded_files.hpp"
+#include "base/error.hpp"
+#include "server/store/schema.hpp"
 #include "tests/service/service_fixture.hpp"
 
 namespace subpixel::tests {

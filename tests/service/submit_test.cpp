@@ -1,8 +1,8 @@
 // `subpixel submit` against a service: what it prints, and which run it takes.
 #include <fstream>
 
-#include "replay/limits.hpp"
-#include "replay/results.hpp"
+#include "replay/results/limits.hpp"
+#include "replay/results/results.hpp"
 #include "tests/service/service_fixture.hpp"
 #include "tests/technique/run_binary.hpp"
 

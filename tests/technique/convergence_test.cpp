@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "replay/measure/results_file.hpp"
+#include "replay/results/results_file.hpp"
 #include "tests/technique/run_binary.hpp"
 
 namespace subpixel::tests {
@@ -26,8 +26,7 @@ TEST_P(Convergence, OfMsaaToTheReference) {
   const auto folder = std::filesystem::temp_directory_path() / ("subpixel-convergence-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   const bool park = std::string(scene) == "park_small";
-  const std::string make = park ? "import '" SUBPIXEL_SOURCE_DIR
-                                  "/capture_format/import/scenes/park_small.json' scene.spcap"
+  const std::string make = park ? "import '" SUBPIXEL_SOURCE_DIR "/scenes/described/park_small.json' scene.spcap"
                                 : std::string("generate ") + scene + " scene.spcap";
   const Finished made = run_binary(make + " --frames 1 --size 160x90", folder);
   if (park && made.error.find("sweethome3d") != std::string::npos)

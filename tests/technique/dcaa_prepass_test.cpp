@@ -1,8 +1,8 @@
 // The z-prepass against the visibility of all 64 samples: no visible sample lies behind its bound.
 #include <gtest/gtest.h>
 
-#include "capture_format/generate/generate.hpp"
 #include "replay/techniques/dcaa_passes.hpp"
+#include "scenes/generate/generate.hpp"
 #include "shaders/techniques/dcaa/dcaa_types.h"
 #include "tests/technique/frontend_fixture.hpp"
 #include "tests/technique/technique_run.hpp"

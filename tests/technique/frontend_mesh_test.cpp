@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <set>
 
-#include "capture_format/camera.hpp"
+#include "scenes/builder/camera.hpp"
 #include "tests/technique/frontend_fixture.hpp"
 
 namespace subpixel::replay {

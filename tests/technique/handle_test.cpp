@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/gpu/material_sets.hpp"
 #include "replay/gpu/pass_recorder.hpp"
 #include "tests/technique/vulkan_faults.hpp"

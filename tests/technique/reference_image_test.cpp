@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/measure/metrics.hpp"
 #include "replay/reference/reference.hpp"
 #include "replay/reference/triangle_list.hpp"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "replay/measure/results_file.hpp"
+#include "replay/results/results_file.hpp"
 
 namespace subpixel::tests {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/scene/gpu_scene.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
 #include "tests/unit/scene_fixture.hpp"

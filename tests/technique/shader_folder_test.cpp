@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/gpu/pipeline.hpp"
 #include "replay/gpu/spirv.hpp"
 #include "shaders/embedded.hpp"

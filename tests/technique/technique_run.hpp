@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "capture_format/capture.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/generate/generate.hpp"
 #include "replay/techniques/frame_setup.hpp"
+#include "scenes/generate/generate.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
 #include "tests/unit/scene_fixture.hpp"
 

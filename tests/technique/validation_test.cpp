@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "capture_format/generate/generate.hpp"
 #include "replay/gpu/litmus.hpp"
 #include "replay/reference/reference.hpp"
 #include "replay/techniques/frame_setup.hpp"
+#include "scenes/generate/generate.hpp"
 #include "tests/technique/rich_scene.hpp"
 #include "tests/technique/validation_fixture.hpp"
 

@@ -1,13 +1,13 @@
-#include "replay/measure/advisor.hpp"
+#include "replay/results/advisor.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <filesystem>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/error.hpp"
-#include "replay/measure/results_file.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "replay/results/results_file.hpp"
 
 namespace subpixel::replay {
 namespace {

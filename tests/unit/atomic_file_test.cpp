@@ -1,5 +1,5 @@
 // Files that are either complete or not there: what stands under the name after success and after every failure.
-#include "capture_format/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 #include <functional>
 #include <sstream>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace {
 

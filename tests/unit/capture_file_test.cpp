@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "capture_format/hash.hpp"
+#include "base/hash.hpp"
 #include "capture_format/writer.hpp"
 #include "tests/unit/capture_fixture.hpp"
 

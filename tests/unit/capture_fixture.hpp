@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "capture_format/capture.hpp"
-#include "capture_format/error.hpp"
 #include "capture_format/reader.hpp"
 
 namespace subpixel::capture {

@@ -7,13 +7,13 @@
 #include <limits>
 #include <map>
 
-#include "capture_format/camera.hpp"
 #include "capture_format/checks.hpp"
-#include "capture_format/mesh.hpp"
 #include "capture_format/recorder.hpp"
 #include "capture_format/summary.hpp"
 #include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
+#include "scenes/builder/camera.hpp"
+#include "scenes/builder/mesh.hpp"
 #include "tests/unit/capture_fixture.hpp"
 
 namespace subpixel::capture {

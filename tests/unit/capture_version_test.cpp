@@ -4,7 +4,7 @@
 #include <functional>
 #include <limits>
 
-#include "capture_format/hash.hpp"
+#include "base/hash.hpp"
 #include "capture_format/limits.hpp"
 #include "capture_format/record_writer.hpp"
 #include "capture_format/validator.hpp"

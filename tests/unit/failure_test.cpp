@@ -1,5 +1,5 @@
 // What leaves a program gets the exit code and the words that its kind calls for.
-#include "capture_format/failure.hpp"
+#include "base/failure.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <system_error>
 #include <vector>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "server/http_error.hpp"
-#include "server/sqlite.hpp"
+#include "server/store/sqlite.hpp"
 
 namespace subpixel {
 namespace {

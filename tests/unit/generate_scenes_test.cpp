@@ -5,16 +5,16 @@
 #include <set>
 #include <span>
 
-#include "capture_format/camera.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/generate/generate.hpp"
-#include "capture_format/generate/random.hpp"
-#include "capture_format/generate/textures.hpp"
-#include "capture_format/hash.hpp"
+#include "base/error.hpp"
+#include "base/hash.hpp"
 #include "capture_format/reader.hpp"
 #include "capture_format/streams.hpp"
 #include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
+#include "scenes/builder/camera.hpp"
+#include "scenes/generate/generate.hpp"
+#include "scenes/generate/random.hpp"
+#include "scenes/generate/textures.hpp"
 
 namespace subpixel::capture {
 namespace {

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/error.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
 #include "tests/unit/exr_writer.hpp"
 
 namespace subpixel::replay {

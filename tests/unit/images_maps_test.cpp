@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/measure/maps.hpp"
 
 namespace subpixel::replay {

@@ -9,8 +9,8 @@
 #include <limits>
 #include <string>
 
-#include "capture_format/atomic_file.hpp"
-#include "capture_format/error.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::replay {
 namespace {

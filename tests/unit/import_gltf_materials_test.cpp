@@ -4,9 +4,9 @@
 #include <cmath>
 #include <functional>
 
-#include "capture_format/camera.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/import/model.hpp"
+#include "base/error.hpp"
+#include "scenes/builder/camera.hpp"
+#include "scenes/import/model.hpp"
 #include "tests/unit/gltf_builder.hpp"
 
 namespace subpixel::capture {

@@ -8,11 +8,11 @@
 #include <functional>
 #include <random>
 
-#include "capture_format/camera.hpp"
-#include "capture_format/error.hpp"
-#include "capture_format/import/import.hpp"
-#include "capture_format/import/model.hpp"
+#include "base/error.hpp"
 #include "capture_format/writer.hpp"
+#include "scenes/builder/camera.hpp"
+#include "scenes/import/import.hpp"
+#include "scenes/import/model.hpp"
 #include "tests/unit/gltf_builder.hpp"
 
 namespace subpixel::capture {

@@ -8,14 +8,14 @@
 #include <fstream>
 #include <functional>
 
-#include "capture_format/error.hpp"
-#include "capture_format/import/asset_source.hpp"
-#include "capture_format/import/import.hpp"
-#include "capture_format/import/model.hpp"
-#include "capture_format/import/text.hpp"
-#include "capture_format/import/texture_decode.hpp"
+#include "base/error.hpp"
 #include "capture_format/streams.hpp"
 #include "capture_format/writer.hpp"
+#include "scenes/import/asset_source.hpp"
+#include "scenes/import/import.hpp"
+#include "scenes/import/model.hpp"
+#include "scenes/import/text.hpp"
+#include "scenes/import/texture_decode.hpp"
 #include "tests/unit/capture_fixture.hpp"
 
 namespace subpixel::capture {

@@ -1,5 +1,5 @@
 // Normals that a model file lacks: flat ones, and smooth ones broken at creases.
-#include "capture_format/import/normals.hpp"
+#include "scenes/import/normals.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-#include "capture_format/camera.hpp"
+#include "scenes/builder/camera.hpp"
 
 namespace subpixel::capture {
 namespace {

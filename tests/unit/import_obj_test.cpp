@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "capture_format/import/polygon.hpp"
+#include "scenes/import/polygon.hpp"
 #include "tests/unit/obj_fixture.hpp"
 
 namespace subpixel::capture {

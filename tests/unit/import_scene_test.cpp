@@ -5,13 +5,13 @@
 #include <filesystem>
 #include <fstream>
 
-#include "capture_format/error.hpp"
-#include "capture_format/import/import.hpp"
-#include "capture_format/import/json_fields.hpp"
-#include "capture_format/import/scene_description.hpp"
+#include "base/error.hpp"
 #include "capture_format/streams.hpp"
 #include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
+#include "scenes/import/import.hpp"
+#include "scenes/import/json_fields.hpp"
+#include "scenes/import/scene_description.hpp"
 #include "tests/unit/capture_fixture.hpp"
 
 namespace subpixel::capture {
@@ -172,7 +172,7 @@ TEST_F(ImportScene, ScatterKeepsItsDistance) {
 }
 
 TEST(ImportPark, SmallParkIsWholeWhereItsModelsAreInstalled) {
-  const std::filesystem::path scenes = std::filesystem::path(SUBPIXEL_SOURCE_DIR) / "capture_format/import/scenes";
+  const std::filesystem::path scenes = std::filesystem::path(SUBPIXEL_SOURCE_DIR) / "scenes/described";
   EXPECT_EQ(read_scene_description(scenes / "park.json").frames, 10u);
   if (!std::filesystem::exists("/usr/share/sweethome3d/furniture/Scopia.sh3f"))
     GTEST_SKIP() << "no sweethome3d-furniture";

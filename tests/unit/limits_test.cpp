@@ -1,6 +1,6 @@
 // One table of limits, walked through every door: what is just within it is taken at each, what is just outside is
 // refused at each, with the same words.
-#include "replay/limits.hpp"
+#include "replay/results/limits.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@
 #include <optional>
 #include <set>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/replay.hpp"
 #include "replay/techniques/technique.hpp"
 #include "server/nightly/config.hpp"

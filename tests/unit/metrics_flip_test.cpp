@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/measure/flip.hpp"
 #include "tests/unit/flip_oracle.hpp"
 

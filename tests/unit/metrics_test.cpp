@@ -8,7 +8,7 @@
 #include <random>
 #include <utility>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/measure/percentiles.hpp"
 
 namespace subpixel::replay {

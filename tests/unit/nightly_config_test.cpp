@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/techniques/technique.hpp"
 #include "server/nightly/night.hpp"
 

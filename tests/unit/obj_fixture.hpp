@@ -9,9 +9,9 @@
 #include <fstream>
 #include <string>
 
-#include "capture_format/error.hpp"
-#include "capture_format/import/asset_source.hpp"
-#include "capture_format/import/model.hpp"
+#include "base/error.hpp"
+#include "scenes/import/asset_source.hpp"
+#include "scenes/import/model.hpp"
 
 namespace subpixel::capture {
 

@@ -1,8 +1,8 @@
-#include "replay/techniques/parameters.hpp"
+#include "replay/results/parameters.hpp"
 
 #include <gtest/gtest.h>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 
 namespace subpixel::replay {
 namespace {

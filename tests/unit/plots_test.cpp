@@ -1,4 +1,4 @@
-#include "replay/measure/plots.hpp"
+#include "replay/results/plots.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "capture_format/printable.hpp"
+#include "base/printable.hpp"
 
 #include <gtest/gtest.h>
 
-#include "capture_format/json_text.hpp"
+#include "base/json_text.hpp"
 
 namespace subpixel {
 namespace {

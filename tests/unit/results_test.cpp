@@ -1,4 +1,4 @@
-#include "replay/results.hpp"
+#include "replay/results/results.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <limits>
 #include <sstream>
 
-#include "capture_format/error.hpp"
-#include "replay/measure/summary.hpp"
-#include "replay/worker_protocol.hpp"
+#include "base/error.hpp"
+#include "replay/results/summary.hpp"
+#include "replay/results/worker_protocol.hpp"
 
 namespace subpixel::replay {
 namespace {

@@ -7,7 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/scene/shadow_fit.hpp"
 
 namespace subpixel::replay {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "capture_format/error.hpp"
-#include "capture_format/generate/generate.hpp"
+#include "base/error.hpp"
 #include "replay/scene/frame_points.hpp"
+#include "scenes/generate/generate.hpp"
 
 namespace subpixel::replay {
 namespace {

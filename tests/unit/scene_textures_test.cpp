@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "capture_format/error.hpp"
+#include "base/error.hpp"
 #include "replay/measure/image.hpp"
 #include "tests/unit/scene_fixture.hpp"
 

@@ -22,7 +22,7 @@
 #include <string>
 #include <thread>
 
-#include "replay/worker_protocol.hpp"
+#include "replay/results/worker_protocol.hpp"
 #include "tests/service/fake_worker/png.hpp"
 
 namespace {

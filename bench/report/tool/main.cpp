@@ -1,0 +1,86 @@
+// Measures all techniques on all scenes and writes docs/results.md with its plots.
+//   subpixel_bench_report               everything, about half an hour on two quiet cores; goes on where it was
+//   interrupted subpixel_bench_report --quick       two scenes at 320x180, minutes; writes
+//   build/report/quick/results.md subpixel_bench_report --only-write  the page from what is stored
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "base/failure.hpp"
+#include "bench/report/document.hpp"
+#include "bench/report/store.hpp"
+
+namespace subpixel::report {
+namespace {
+
+struct Arguments {
+  PlanOptions plan;
+  std::string size;
+  std::filesystem::path folder, out;
+  bool only_write = false, fresh = false;
+};
+
+// What was typed, without the folders, which say nothing about the numbers.
+std::string command_of(const Arguments& arguments) {
+  std::string command = "build/release/bench/subpixel_bench_report";
+  if (arguments.plan.quick) command += " --quick";
+  if (!arguments.plan.scenes.empty()) command += fmt::format(" --scenes {}", fmt::join(arguments.plan.scenes, ","));
+  if (!arguments.size.empty()) command += " --size " + arguments.size;
+  if (!arguments.plan.techniques.empty()) command += fmt::format(" --techniques \"{}\"", arguments.plan.techniques);
+  return command;
+}
+
+void parse_size(Arguments& arguments) {
+  if (arguments.size.empty()) return;
+  char more = 0;
+  if (std::sscanf(arguments.size.c_str(), "%ux%u%c", &arguments.plan.width, &arguments.plan.height, &more) != 2 ||
+      arguments.plan.width == 0 || arguments.plan.height == 0)
+    throw UsageError("size", fmt::format("'{}' is not WIDTHxHEIGHT", arguments.size), "--size");
+}
+
+void run(Arguments arguments) {
+  parse_size(arguments);
+  const std::filesystem::path root = SUBPIXEL_SOURCE_DIR;
+  const std::filesystem::path quick = arguments.plan.quick ? "quick" : "";
+  if (arguments.folder.empty()) arguments.folder = root / "build/report" / quick;
+  if (arguments.out.empty())
+    arguments.out = arguments.plan.quick ? arguments.folder / "results.md" : root / "docs/results.md";
+  const std::vector<RunPlan> plan = make_plan(arguments.plan);
+  if (!arguments.only_write) {
+    measure(plan, {arguments.folder, root, arguments.fresh,
+                   [](const std::string& line) { fmt::print(stderr, "{}\n", line); }});
+  }
+  const Measured measured = read_measured(plan, arguments.folder);
+  if (measured.runs.empty()) throw InputError("report", "nothing is stored", arguments.folder.string());
+  write_document(make_document(measured, all_claims(), command_of(arguments)), arguments.out);
+  fmt::print("{} of {} runs: {}\n", measured.runs.size(), plan.size(), arguments.out.string());
+}
+
+}  // namespace
+}  // namespace subpixel::report
+
+int main(int argc, char** argv) {
+  using namespace subpixel;
+  report::Arguments arguments;
+  CLI::App app("Measures all techniques on all scenes and writes docs/results.md");
+  app.add_flag("--quick", arguments.plan.quick, "Two scenes at 320x180; the page goes beside the results");
+  app.add_flag("--only-write", arguments.only_write, "Write the page from stored results without a replay");
+  app.add_flag("--fresh", arguments.fresh, "Measure stored runs again");
+  app.add_option("--scenes", arguments.plan.scenes, "Only these: a,b")->delimiter(',');
+  app.add_option("--size", arguments.size, "WIDTHxHEIGHT of the sweeps");
+  app.add_option("--techniques", arguments.plan.techniques, "These sweeps and no others, as of `subpixel replay`");
+  app.add_option("--folder", arguments.folder, "Where results are stored; default build/report");
+  app.add_option("--out", arguments.out, "The page; default docs/results.md");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    report::run(arguments);
+  } catch (...) {
+    const Failure end = failure_of(std::current_exception());
+    fmt::print(stderr, "subpixel_bench_report: {}\n", end.message);
+    return end.exit_code;
+  }
+  return 0;
+}

@@ -1,0 +1,47 @@
+// How a replay in a process of its own talks to whoever started it: one JSON document per line on standard output.
+//   in:  `subpixel worker --job FILE`; FILE is the JSON form of ReplayJob.
+//   out: {"type":"progress","stage":"replay","done":3,"total":12,"detail":"frame 1 msaa"}
+//        {"type":"head","head":{ResultsHead}}                      once, before the first result, and again at the end
+//        {"type":"result","result":{FrameResult}}                  as each is measured; images are file names in
+//        `out_dir`
+//        {"type":"error","message":"what: why: where","exit":3}    then exits with that code;
+//        70 (base/failure.hpp) is a mistake of ours, and the message asks for a report
+//        {"type":"done"}
+// Every file a line names is complete on disk before the line is written.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "replay/results/parameters.hpp"
+
+namespace subpixel::replay {
+
+struct ReplayOptions {
+  std::vector<TechniqueRequest> techniques;
+  std::uint32_t samples = 8;                                      // for techniques whose `samples` is not given
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> frames;  // inclusive range; all when absent
+  std::uint32_t width = 0, height = 0;                            // 0: as recorded
+  std::uint32_t repeat = 3;
+  std::uint32_t reference_samples = 512;      // 0: no reference, no error
+  std::optional<std::uint32_t> point_lights;  // use this many (extra ones are placed in the scene); absent: as recorded
+  // Frame x technique results to leave out because they are stored already: "frame/index in `techniques`".
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> skip;
+};
+
+struct ReplayJob {
+  std::filesystem::path capture;
+  std::filesystem::path out_dir;    // images and maps go here
+  std::filesystem::path cache_dir;  // references by content hash
+  ReplayOptions options;
+};
+
+nlohmann::json to_json(const ReplayJob& job);
+ReplayJob replay_job_from_json(const nlohmann::json& json);
+
+}  // namespace subpixel::replay

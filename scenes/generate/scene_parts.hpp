@@ -1,0 +1,33 @@
+// Small things several procedural scenes need.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <string>
+
+#include "scenes/builder/scene_builder.hpp"
+#include "scenes/generate/random.hpp"
+
+namespace subpixel::capture {
+
+inline constexpr std::uint32_t kSceneLights = 32;  // the papers have 5, 16, 32 and 50
+
+// A count times the options' density, at least 1.
+std::uint32_t scaled_count(std::uint32_t count, double density);
+
+// A material without textures. Colours are linear.
+std::uint32_t add_plain_material(SceneBuilder& scene, const std::string& name, const glm::dvec3& colour,
+                                 double roughness, double metallic = 0);
+
+// A ground of 120 m x 120 m at y = 0 with a noise texture that repeats after `tile_m`. Colours are sRGB, 0 to 255.
+void draw_floor(SceneBuilder& scene, const std::string& name, const glm::dvec3& low, const glm::dvec3& high,
+                double tile_m, double roughness, std::uint64_t seed);
+
+// kSceneLights point lights at random in a box, warm to cold.
+void scatter_lights(SceneBuilder& scene, const glm::dvec3& low, const glm::dvec3& high, double intensity, double range,
+                    Random& random);
+
+// Some direction, uniform on the sphere.
+glm::dvec3 random_direction(Random& random);
+
+}  // namespace subpixel::capture

@@ -1,0 +1,289 @@
+#include "server/nightly/night_store.hpp"
+
+#include "server/store/store_access.hpp"
+
+namespace subpixel::server {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::string_view kNightColumns =
+    "SELECT id, name, status, reason, started_utc, finished_utc, build, config, baseline, baseline_night FROM nights ";
+
+NightRecord read_night(Statement& row) {
+  NightRecord night;
+  night.id = row.integer();
+  night.name = row.text();
+  night.status = night_status_from_text(row.text());
+  night.reason = row.text();
+  night.started_utc = row.text();
+  night.finished_utc = row.text();
+  night.build = row.text();
+  night.config = json::parse(row.text());
+  night.baseline = row.optional_text();
+  if (const std::optional<std::string> number = row.optional_text()) night.baseline_night = std::stoll(*number);
+  return night;
+}
+
+void read_captures(const Connection& connection, NightRecord& night) {
+  Statement select(connection,
+                   "SELECT name, source, hash, problem, head FROM night_captures WHERE night = ? ORDER BY ordinal");
+  select.bind(night.id);
+  while (select.step()) {
+    NightCapture capture;
+    capture.name = select.text();
+    capture.source = select.text();
+    capture.hash = select.text();
+    capture.problem = select.text();
+    if (const std::optional<std::string> head = select.optional_text()) {
+      capture.head = replay::results_head_from_json(json::parse(*head));
+    }
+    night.captures.push_back(std::move(capture));
+  }
+}
+
+constexpr std::string_view kCellColumns = "SELECT id, capture, technique, status, gates, time FROM night_cells ";
+
+NightCell read_cell(Statement& row) {
+  NightCell cell;
+  cell.id = row.integer();
+  cell.capture = static_cast<std::uint32_t>(row.integer());
+  cell.technique = row.text();
+  cell.status = cell_status_from_text(row.text());
+  cell.gates = gates_from_json(json::parse(row.text()));
+  cell.time = cell_time_from_json(json::parse(row.text()));
+  return cell;
+}
+
+void read_cells(const Connection& connection, NightRecord& night) {
+  Statement select(connection, std::string(kCellColumns) + "WHERE night = ? ORDER BY id");
+  select.bind(night.id);
+  while (select.step()) night.cells.push_back(read_cell(select));
+}
+
+void read_frames(const Connection& connection, NightCell& cell) {
+  Statement select(connection,
+                   "SELECT id, document, (SELECT blob FROM night_images i WHERE i.frame = night_frames.id AND role = "
+                   "'difference') FROM night_frames WHERE cell = ? ORDER BY frame");
+  select.bind(cell.id);
+  while (select.step()) {
+    NightFrame frame;
+    frame.id = select.integer();
+    frame.result = replay::frame_result_from_json(json::parse(select.text()));
+    frame.difference = select.text();
+    cell.frames.push_back(std::move(frame));
+  }
+}
+
+void insert_image(const Connection& connection, std::int64_t frame, const std::string& role, const std::string& hash) {
+  Statement(connection,
+            "INSERT INTO night_images (frame, role, blob) VALUES (?, ?, ?) ON CONFLICT DO UPDATE SET blob = "
+            "excluded.blob")
+      .bind(frame)
+      .bind(role)
+      .bind(hash)
+      .run();
+}
+
+}  // namespace
+
+std::int64_t NightStore::add(const NightRecord& night) {
+  const Store::WriteLease writer = store_.write();
+  const std::string config = night.config.dump();
+  const std::string now = utc_now();
+  Statement insert(writer.connection(),
+                   "INSERT INTO nights (name, status, started_utc, build, config, baseline, baseline_night) VALUES (?, "
+                   "'running', ?, ?, ?, ?, ?)");
+  insert.bind(night.name)
+      .bind(now)
+      .bind(night.build)
+      .bind(config)
+      .bind(night.baseline)
+      .bind(night.baseline_night)
+      .run();
+  return writer.connection().last_insert_id();
+}
+
+void NightStore::add_capture(std::int64_t night, std::uint32_t ordinal, const NightCapture& capture) {
+  const Store::WriteLease writer = store_.write();
+  std::optional<std::string> head;
+  if (capture.head) head = replay::to_json(*capture.head).dump();
+  Statement(writer.connection(),
+            "INSERT INTO night_captures (night, ordinal, name, source, hash, problem, head) VALUES (?, ?, ?, ?, ?, ?, "
+            "?)")
+      .bind(night)
+      .bind(std::int64_t{ordinal})
+      .bind(capture.name)
+      .bind(capture.source)
+      .bind(capture.hash)
+      .bind(capture.problem)
+      .bind(head)
+      .run();
+}
+
+std::int64_t NightStore::add_cell(std::int64_t night, const NightCell& cell) {
+  const Store::WriteLease writer = store_.write();
+  const std::string gates = server::to_json(cell.gates).dump();
+  const std::string time = server::to_json(cell.time).dump();
+  Statement(writer.connection(),
+            "INSERT INTO night_cells (night, capture, technique, status, gates, time) VALUES (?, ?, ?, ?, ?, ?)")
+      .bind(night)
+      .bind(std::int64_t{cell.capture})
+      .bind(cell.technique)
+      .bind(to_text(cell.status))
+      .bind(gates)
+      .bind(time)
+      .run();
+  return writer.connection().last_insert_id();
+}
+
+NightFrame NightStore::add_frame(std::int64_t cell, const replay::FrameResult& result,
+                                 const std::map<std::string, Blob>& images) {
+  const Store::WriteLease writer = store_.write();
+  Transaction transaction(writer.connection());
+  NightFrame frame;
+  frame.result = result;
+  frame.result.images.clear();
+  for (const auto& [role, blob] : images) frame.result.images[role] = store_blob(writer.connection(), blob);
+  const std::string document = replay::to_json(frame.result).dump();
+  Statement(writer.connection(), "INSERT INTO night_frames (cell, frame, document) VALUES (?, ?, ?)")
+      .bind(cell)
+      .bind(std::int64_t{result.frame})
+      .bind(document)
+      .run();
+  frame.id = writer.connection().last_insert_id();
+  for (const auto& [role, hash] : frame.result.images) insert_image(writer.connection(), frame.id, role, hash);
+  transaction.commit();
+  return frame;
+}
+
+std::string NightStore::add_difference(std::int64_t frame, const Blob& image) {
+  const Store::WriteLease writer = store_.write();
+  Transaction transaction(writer.connection());
+  std::string hash = store_blob(writer.connection(), image);
+  insert_image(writer.connection(), frame, "difference", hash);
+  transaction.commit();
+  return hash;
+}
+
+void NightStore::update_cell(const NightCell& cell) {
+  const Store::WriteLease writer = store_.write();
+  const std::string gates = server::to_json(cell.gates).dump();
+  const std::string time = server::to_json(cell.time).dump();
+  Statement(writer.connection(), "UPDATE night_cells SET status = ?, gates = ?, time = ? WHERE id = ?")
+      .bind(to_text(cell.status))
+      .bind(gates)
+      .bind(time)
+      .bind(cell.id)
+      .run();
+}
+
+void NightStore::finish(std::int64_t id, NightStatus status, std::string_view reason) {
+  const Store::WriteLease writer = store_.write();
+  const std::string now = utc_now();
+  Statement(writer.connection(), "UPDATE nights SET status = ?, reason = ?, finished_utc = ? WHERE id = ?")
+      .bind(to_text(status))
+      .bind(reason)
+      .bind(now)
+      .bind(id)
+      .run();
+}
+
+void NightStore::interrupt_running() {
+  const Store::WriteLease writer = store_.write();
+  writer.connection().execute(
+      "UPDATE nights SET status = 'interrupted', reason = 'the process ended before the night did' WHERE status = "
+      "'running'");
+}
+
+void NightStore::drop_old(std::string_view name, std::uint32_t keep) {
+  const Store::WriteLease writer = store_.write();
+  Transaction transaction(writer.connection());
+  Statement(writer.connection(),
+            "WITH kept AS (SELECT id, baseline_night FROM nights WHERE name = ?1 ORDER BY id DESC LIMIT ?2) "
+            "DELETE FROM nights WHERE name = ?1 AND id NOT IN (SELECT id FROM kept) "
+            "AND id NOT IN (SELECT night FROM baselines) "
+            "AND id NOT IN (SELECT baseline_night FROM kept WHERE baseline_night IS NOT NULL)")
+      .bind(name)
+      .bind(std::int64_t{keep})
+      .run();
+  if (writer.connection().changes() > 0) delete_unnamed_blobs(writer.connection());
+  transaction.commit();
+}
+
+std::optional<NightRecord> NightStore::night(std::int64_t id, bool with_frames) const {
+  const Store::ReadLease reader = store_.read();
+  std::optional<NightRecord> night;
+  {
+    Statement select(reader.connection(), std::string(kNightColumns) + "WHERE id = ?");
+    select.bind(id);
+    if (!select.step()) return std::nullopt;
+    night = read_night(select);
+  }
+  read_captures(reader.connection(), *night);
+  read_cells(reader.connection(), *night);
+  if (with_frames) {
+    for (NightCell& cell : night->cells) read_frames(reader.connection(), cell);
+  }
+  return night;
+}
+
+std::optional<NightCell> NightStore::cell(std::int64_t id) const {
+  const Store::ReadLease reader = store_.read();
+  std::optional<NightCell> cell;
+  {
+    Statement select(reader.connection(), std::string(kCellColumns) + "WHERE id = ?");
+    select.bind(id);
+    if (!select.step()) return std::nullopt;
+    cell = read_cell(select);
+  }
+  read_frames(reader.connection(), *cell);
+  return cell;
+}
+
+std::vector<NightRecord> NightStore::nights(std::uint32_t limit, std::int64_t before, std::string_view name) const {
+  const Store::ReadLease reader = store_.read();
+  std::string sql = std::string(kNightColumns) + "WHERE 1";
+  if (before > 0) sql += " AND id < ?";
+  if (!name.empty()) sql += " AND name = ?";
+  Statement select(reader.connection(), sql + " ORDER BY id DESC LIMIT ?");
+  if (before > 0) select.bind(before);
+  if (!name.empty()) select.bind(name);
+  select.bind(std::int64_t{limit});
+  std::vector<NightRecord> nights;
+  while (select.step()) nights.push_back(read_night(select));
+  for (NightRecord& night : nights) {
+    read_captures(reader.connection(), night);
+    read_cells(reader.connection(), night);
+  }
+  return nights;
+}
+
+bool NightStore::set_baseline(std::string_view name, std::int64_t night) {
+  const Store::WriteLease writer = store_.write();
+  const std::string now = utc_now();
+  Statement(writer.connection(),
+            "INSERT INTO baselines (name, night, set_utc) SELECT ?, id, ? FROM nights WHERE id = ? AND status IN "
+            "('passed', 'failed') ON CONFLICT (name) DO UPDATE SET night = excluded.night, set_utc = excluded.set_utc")
+      .bind(name)
+      .bind(now)
+      .bind(night)
+      .run();
+  return writer.connection().changes() > 0;
+}
+
+std::vector<BaselineRecord> NightStore::baselines() const {
+  const Store::ReadLease reader = store_.read();
+  Statement select(reader.connection(), "SELECT name, night, set_utc FROM baselines ORDER BY name");
+  std::vector<BaselineRecord> baselines;
+  while (select.step()) {
+    BaselineRecord baseline;
+    baseline.name = select.text();
+    baseline.night = select.integer();
+    baseline.set_utc = select.text();
+    baselines.push_back(std::move(baseline));
+  }
+  return baselines;
+}
+
+}  // namespace subpixel::server

@@ -1,0 +1,232 @@
+// Opening, versions, captures and blobs. Runs are in store_runs.cpp, nights in server/nightly/night_store.cpp.
+#include "server/store/store.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "base/error.hpp"
+#include "server/store/schema.hpp"
+#include "server/store/store_access.hpp"
+
+namespace subpixel::server {
+namespace {
+
+constexpr std::string_view kCaptureColumns =
+    "SELECT hash, name, size_bytes, uploaded_utc, title, frame_count, width, height, triangles, summary, thumbnail, "
+    "(SELECT json_group_array(tag) FROM (SELECT tag FROM capture_tags WHERE capture = captures.hash ORDER BY tag)) "
+    "FROM captures ";
+
+CaptureRecord read_capture(Statement& row) {
+  CaptureRecord capture;
+  capture.hash = row.text();
+  capture.name = row.text();
+  capture.size_bytes = static_cast<std::uint64_t>(row.integer());
+  capture.uploaded_utc = row.text();
+  capture.title = row.text();
+  capture.frame_count = static_cast<std::uint32_t>(row.integer());
+  capture.width = static_cast<std::uint32_t>(row.integer());
+  capture.height = static_cast<std::uint32_t>(row.integer());
+  capture.triangles = static_cast<std::uint64_t>(row.integer());
+  capture.summary = nlohmann::json::parse(row.text());
+  capture.thumbnail = row.optional_text();
+  capture.tags = nlohmann::json::parse(row.text()).get<std::vector<std::string>>();
+  return capture;
+}
+
+}  // namespace
+
+void delete_unnamed_blobs(const Connection& connection) {
+  connection.execute(
+      "DELETE FROM blobs WHERE NOT EXISTS (SELECT 1 FROM images WHERE blob = blobs.hash) "
+      "AND NOT EXISTS (SELECT 1 FROM night_images WHERE blob = blobs.hash) "
+      "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash)");
+}
+
+std::string utc_now() {
+  const auto now = std::chrono::time_point_cast<std::chrono::milliseconds>(std::chrono::system_clock::now());
+  const auto second = std::chrono::floor<std::chrono::seconds>(now);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(std::chrono::system_clock::to_time_t(second)),
+                     (now - second).count());
+}
+
+void migrate(const Connection& connection, const std::vector<std::string_view>& steps,
+             const std::filesystem::path& file) {
+  const auto version_of = [&] {
+    Statement version(connection, "PRAGMA user_version");
+    version.step();
+    return version.integer();
+  };
+  const auto newest = static_cast<std::int64_t>(steps.size());
+  while (version_of() < newest) {
+    Transaction transaction(connection);
+    const std::int64_t version = version_of();  // another process may have got here first
+    if (version >= newest) break;
+    connection.execute(std::string(steps[static_cast<std::size_t>(version)]));
+    connection.execute(fmt::format("PRAGMA user_version = {}", version + 1));
+    transaction.commit();
+  }
+  if (version_of() > newest) {
+    throw InputError("can't open the store",
+                     fmt::format("its version is {}, this program knows up to {}", version_of(), newest),
+                     file.string());
+  }
+}
+
+Store::Store(const std::filesystem::path& file) : file_(file), writer_(file) {
+  std::vector<std::string_view> steps;
+  for (const EmbeddedFile& step : schema_steps()) steps.push_back(step.content);
+  migrate(writer_, steps, file);
+}
+
+Store::~Store() = default;
+
+Store::ReadLease Store::read() const {
+  {
+    const std::lock_guard lock(readers_mutex_);
+    if (!idle_readers_.empty()) {
+      std::unique_ptr<Connection> connection = std::move(idle_readers_.back());
+      idle_readers_.pop_back();
+      return ReadLease(*this, std::move(connection));
+    }
+  }
+  return ReadLease(*this, std::make_unique<Connection>(file_));
+}
+
+Store::WriteLease Store::write() {
+  return WriteLease(*this);
+}
+
+bool Store::add_capture(const CaptureRecord& capture) {
+  const std::lock_guard lock(write_mutex_);
+  const std::string summary = capture.summary.dump();
+  Statement insert(writer_,
+                   "INSERT INTO captures (hash, name, size_bytes, uploaded_utc, title, frame_count, width, height, "
+                   "triangles, summary) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (hash) DO NOTHING");
+  insert.bind(capture.hash)
+      .bind(capture.name)
+      .bind(static_cast<std::int64_t>(capture.size_bytes))
+      .bind(capture.uploaded_utc)
+      .bind(capture.title)
+      .bind(std::int64_t{capture.frame_count})
+      .bind(std::int64_t{capture.width})
+      .bind(std::int64_t{capture.height})
+      .bind(static_cast<std::int64_t>(capture.triangles))
+      .bind(summary)
+      .run();
+  return writer_.changes() > 0;
+}
+
+std::optional<CaptureRecord> Store::capture(std::string_view hash) const {
+  const ReadLease reader = read();
+  Statement select(reader.connection(), std::string(kCaptureColumns) + "WHERE hash = ?");
+  select.bind(hash);
+  if (!select.step()) return std::nullopt;
+  return read_capture(select);
+}
+
+std::vector<CaptureRecord> Store::captures_with_tag(std::string_view tag) const {
+  const ReadLease reader = read();
+  Statement select(reader.connection(),
+                   std::string(kCaptureColumns) +
+                       "WHERE hash IN (SELECT capture FROM capture_tags WHERE tag = ?) ORDER BY name, hash");
+  select.bind(tag);
+  std::vector<CaptureRecord> captures;
+  while (select.step()) captures.push_back(read_capture(select));
+  return captures;
+}
+
+bool Store::set_tags(std::string_view capture, const std::vector<std::string>& tags) {
+  const std::lock_guard lock(write_mutex_);
+  Transaction transaction(writer_);
+  {
+    Statement known(writer_, "SELECT 1 FROM captures WHERE hash = ?");
+    known.bind(capture);
+    if (!known.step()) return false;
+  }
+  Statement(writer_, "DELETE FROM capture_tags WHERE capture = ?").bind(capture).run();
+  for (const std::string& tag : tags) {
+    Statement(writer_, "INSERT INTO capture_tags (capture, tag) VALUES (?, ?) ON CONFLICT DO NOTHING")
+        .bind(capture)
+        .bind(tag)
+        .run();
+  }
+  transaction.commit();
+  return true;
+}
+
+std::vector<CaptureRecord> Store::captures(std::uint32_t limit, std::uint64_t offset) const {
+  const ReadLease reader = read();
+  Statement select(reader.connection(),
+                   std::string(kCaptureColumns) + "ORDER BY uploaded_utc DESC, hash LIMIT ? OFFSET ?");
+  select.bind(std::int64_t{limit}).bind(static_cast<std::int64_t>(offset));
+  std::vector<CaptureRecord> captures;
+  while (select.step()) captures.push_back(read_capture(select));
+  return captures;
+}
+
+void Store::set_thumbnail(std::string_view capture, std::string_view blob) {
+  const std::lock_guard lock(write_mutex_);
+  Statement(writer_, "UPDATE captures SET thumbnail = ? WHERE hash = ?").bind(blob).bind(capture).run();
+}
+
+Store::Deletion Store::delete_capture(std::string_view hash) {
+  const std::lock_guard lock(write_mutex_);
+  Transaction transaction(writer_);
+  {
+    // A thumbnail is the service's own wish and no reason to refuse; add_result() copes with its run being gone.
+    Statement active(
+        writer_, "SELECT 1 FROM runs WHERE capture = ? AND kind = 'run' AND status IN ('queued', 'running') LIMIT 1");
+    active.bind(hash);
+    if (active.step()) return Deletion::in_use;
+  }
+  Statement(writer_, "DELETE FROM captures WHERE hash = ?").bind(hash).run();
+  if (writer_.changes() == 0) return Deletion::missing;
+  delete_unnamed_blobs(writer_);
+  transaction.commit();
+  return Deletion::deleted;
+}
+
+Store::Deletion Store::delete_run(std::int64_t id) {
+  const std::lock_guard lock(write_mutex_);
+  Transaction transaction(writer_);
+  {
+    Statement active(writer_, "SELECT status IN ('queued', 'running') FROM runs WHERE id = ?");
+    active.bind(id);
+    if (!active.step()) return Deletion::missing;
+    if (active.integer() != 0) return Deletion::in_use;
+  }
+  Statement(writer_, "DELETE FROM runs WHERE id = ?").bind(id).run();
+  delete_unnamed_blobs(writer_);
+  transaction.commit();
+  return Deletion::deleted;
+}
+
+std::optional<Blob> Store::blob(std::string_view hash) const {
+  const ReadLease reader = read();
+  Statement select(reader.connection(), "SELECT media_type, bytes FROM blobs WHERE hash = ?");
+  select.bind(hash);
+  if (!select.step()) return std::nullopt;
+  Blob blob;
+  blob.media_type = select.text();
+  blob.bytes = select.blob();
+  return blob;
+}
+
+StoreCounts Store::counts() const {
+  const ReadLease reader = read();
+  Statement select(reader.connection(),
+                   "SELECT (SELECT count(*) FROM captures), (SELECT count(*) FROM runs WHERE kind = 'run'), "
+                   "(SELECT count(*) FROM runs WHERE status = 'queued'), "
+                   "(SELECT count(*) FROM runs WHERE status = 'running')");
+  select.step();
+  StoreCounts counts;
+  counts.captures = static_cast<std::uint64_t>(select.integer());
+  counts.runs = static_cast<std::uint64_t>(select.integer());
+  counts.queued = static_cast<std::uint64_t>(select.integer());
+  counts.running = static_cast<std::uint64_t>(select.integer());
+  return counts;
+}
+
+}  // namespace subpixel::server

@@ -1,0 +1,159 @@
+// The store: everything the service lists or queries, in one SQLite file. All SQL of the service is in store*.cpp and,
+// of nights, in server/nightly/night_store.cpp. Every function is safe to call from any thread. They throw SqliteError,
+// whose disk_full() tells a full disk apart.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "replay/results/results.hpp"
+#include "replay/results/worker_protocol.hpp"
+#include "server/store/sqlite.hpp"
+
+namespace subpixel::server {
+
+// NOLINTNEXTLINE(bugprone-exception-escape): moving JSON is declared noexcept
+struct CaptureRecord {
+  std::string hash;
+  std::string name;  // as uploaded
+  std::uint64_t size_bytes = 0;
+  std::string uploaded_utc;
+  std::string title;
+  std::uint32_t frame_count = 0, width = 0, height = 0;
+  std::uint64_t triangles = 0;           // of the frame that has most
+  nlohmann::json summary;                // of `subpixel info --json`
+  std::optional<std::string> thumbnail;  // blob hash
+  std::vector<std::string> tags;         // in their order
+};
+
+enum class RunKind { run, thumbnail };
+enum class RunStatus { queued, running, done, failed, cancelled };
+std::string_view to_text(RunKind kind);
+std::string_view to_text(RunStatus status);
+constexpr bool is_final(RunStatus status) {
+  return status != RunStatus::queued && status != RunStatus::running;
+}
+
+struct RunRecord {
+  std::int64_t id = 0;
+  RunKind kind = RunKind::run;
+  std::string capture;
+  std::string capture_name, capture_title;  // of the capture's record
+  RunStatus status = RunStatus::queued;
+  std::string reason;
+  std::string created_utc, started_utc, finished_utc;  // empty until it happens
+  replay::ReplayOptions options;                       // techniques with every parameter filled in, `skip` empty
+  std::optional<nlohmann::json> head;
+  std::uint64_t expected_results = 0, stored_results = 0;
+  std::uint32_t starts_without_result = 0;
+};
+
+// A result as it is read back: its event number and its FrameResult in JSON form, images named by blob hash.
+struct StoredResult {
+  std::int64_t sequence = 0;
+  nlohmann::json document;
+};
+
+struct Blob {
+  std::string media_type;
+  std::string bytes;
+};
+
+struct StoreCounts {
+  std::uint64_t captures = 0, runs = 0, queued = 0, running = 0;
+};
+
+class Store {
+ public:
+  // Opens or creates the file and brings it to this program's version. Throws InputError for a newer or foreign one.
+  explicit Store(const std::filesystem::path& file);
+  ~Store();
+
+  // False when the hash is stored already; then nothing changes.
+  bool add_capture(const CaptureRecord& capture);
+  std::optional<CaptureRecord> capture(std::string_view hash) const;
+  // Newest first, at most `limit` after the first `offset`.
+  std::vector<CaptureRecord> captures(std::uint32_t limit, std::uint64_t offset) const;
+  void set_thumbnail(std::string_view capture, std::string_view blob);
+
+  enum class Deletion { deleted, missing, in_use };
+  // Deletes the capture with its runs and the blobs nothing else names; in_use while one of its runs is queued or runs.
+  Deletion delete_capture(std::string_view hash);
+  Deletion delete_run(std::int64_t id);
+
+  // Queues a run and returns its id; nothing when the capture is gone.
+  std::optional<std::int64_t> add_run(RunKind kind, std::string_view capture, const replay::ReplayOptions& options,
+                                      std::uint64_t expected_results);
+  std::optional<RunRecord> run(std::int64_t id) const;
+  // Runs of kind `run`, newest first, ids below `before` (0: from the newest), of one capture or of all (empty).
+  std::vector<RunRecord> runs(std::uint32_t limit, std::int64_t before, std::string_view capture) const;
+
+  // Takes the next queued run, thumbnails first, and marks it as running.
+  std::optional<RunRecord> start_next_run();
+  // Puts back what was running when the last process ended. `graceful`: this process is about to end on request, which
+  // is not the run's fault, so the count of its starts is forgotten.
+  void requeue_running(bool graceful);
+  // Ends a queued or running run. False when it had ended before.
+  bool finish_run(std::int64_t id, RunStatus status, std::string_view reason);
+  // Ends a run as cancelled if no worker has it yet.
+  bool cancel_queued(std::int64_t id);
+  void set_head(std::int64_t id, const nlohmann::json& head);
+
+  // One commit: the result, its pass times, its images as blobs. `images`: bytes and media type by role; the stored
+  // document names them by hash. Returns false, storing nothing, when this frame and technique are stored already
+  // or the run was deleted.
+  bool add_result(std::int64_t run, std::uint32_t technique_ordinal, const replay::FrameResult& result,
+                  const std::map<std::string, Blob>& images);
+  // (frame, technique ordinal) of every stored result, the form of ReplayOptions::skip.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> stored_pairs(std::int64_t run) const;
+  // Results with a sequence above `after`, in that order; at most `limit`.
+  std::vector<StoredResult> results_after(std::int64_t run, std::int64_t after, std::uint32_t limit) const;
+  // All results by frame, then in the request's order.
+  std::vector<StoredResult> results(std::int64_t run) const;
+
+  // Replaces the tags of a capture; false when there is no such capture.
+  bool set_tags(std::string_view capture, const std::vector<std::string>& tags);
+  // By name, then by hash.
+  std::vector<CaptureRecord> captures_with_tag(std::string_view tag) const;
+
+  std::optional<Blob> blob(std::string_view hash) const;
+  StoreCounts counts() const;
+
+  // For parts of the store with SQL of their own (store_access.hpp): a connection to read with, and the one that
+  // writes, which nobody else has for as long as the lease is held.
+  class ReadLease;
+  class WriteLease;
+  ReadLease read() const;
+  WriteLease write();
+
+ private:
+  std::filesystem::path file_;
+  mutable std::mutex write_mutex_;  // guards writer_
+  mutable Connection writer_;
+  // Readers see a snapshot each (WAL), so that lists stay quick while a result with its images is committed.
+  mutable std::mutex readers_mutex_;
+  mutable std::vector<std::unique_ptr<Connection>> idle_readers_;
+};
+
+// The schema's steps in order; step i takes version i to version i + 1. Applies those `connection` lacks, each in one
+// transaction with its version number. Throws InputError when the store is newer than the steps.
+void migrate(const Connection& connection, const std::vector<std::string_view>& steps,
+             const std::filesystem::path& file);
+
+// Stores the bytes once and returns their hash. Throws InputError for other bytes with the hash of stored ones.
+std::string store_blob(const Connection& connection, const Blob& blob);
+// Blobs have no owner: deletes those that nothing names.
+void delete_unnamed_blobs(const Connection& connection);
+
+// Now, as "2025-01-31T12:00:00.123Z".
+std::string utc_now();
+
+}  // namespace subpixel::server
