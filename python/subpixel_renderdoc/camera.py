@@ -62,6 +62,26 @@ def projection_of(matrix, y_up):
     return Projection(a, b if y_up else -b, e, f, c, d)
 
 
+def clip_variants(matrix):
+    """A constant's matrix, and what vertex shaders make of it that were written for other clip spaces: y turned round,
+    z halved from -w to w to 0 to w."""
+    x, y, z, w = matrix
+    turned = tuple(-v for v in y)
+    halved = tuple((a + b) / 2 for a, b in zip(z, w))
+    return ((x, y, z, w), (x, turned, halved, w), (x, turned, z, w), (x, y, halved, w))
+
+
+def are_near(a, b):
+    """Whether two matrices take the same points to the same pixels, nearly."""
+    for p, q in zip(a, b):
+        size = max(max(map(abs, p[:3])), max(map(abs, q[:3])), 1e-9)
+        if max(abs(x - y) for x, y in zip(p[:3], q[:3])) > 1e-4 * size:
+            return False
+        if abs(p[3] - q[3]) > 1e-4 * max(abs(p[3]), abs(q[3]), size):
+            return False
+    return True
+
+
 def rigid_view(rows):
     """A proper rotation and translation of three rows of four that have a common scale, mirrored if need be; or None."""
     lengths = [length(row) for row in rows]

@@ -1,4 +1,5 @@
 """Frames of RenderDoc captures to one capture of Subpixel's."""
+import json
 import re
 import struct
 
@@ -101,6 +102,9 @@ class FrameExport:
         if not frame.draws:
             raise ExportError("the RenderDoc capture can't be exported", "no triangle of its main view is left")
         self.builder.capture.frames.append(frame)
+        taken = json.dumps({"target": self.depth_target, "event": max(e.action.eventId for e in drawn),
+                            "viewport": list(self.viewport)}, sort_keys=True)
+        self.notices.say("main view " + taken)
         self.builder.capture.metadata.notices.extend(self.notices.lines(number))
         self.camera = camera
         return frame
@@ -265,7 +269,9 @@ class FrameExport:
 
     def _shading(self, entry):
         _, source = self.replay.fragment_source()
-        entry.discards, entry.cutoff = textures.cutoff(source)
+        entry.discards = False
+        if "discard" in source or "Kill" in source or "clip" in source or "Demote" in source:
+            entry.discards, entry.cutoff = textures.cutoff(source, self.replay.fragment_constants())
         bound = self.replay.fragment_textures()
         chosen = textures.choose(bound, self.replay.textures, self.options.mapping,
                                  lambda resource: str(resource) in self.target_ids)
@@ -301,9 +307,9 @@ class FrameExport:
                     if projection is not None:
                         candidates.append((projection, weight * 1e-3))
                         key = tuple(tuple(round(x, 5) for x in row) for row in form)
-                        held = shared.setdefault(key, [form, projection, 0.0, 0, name])
-                        held[2] += weight
-                        held[3] += 1
+                        held = shared.setdefault(key, [form, 0.0, 0])
+                        held[1] += weight
+                        held[2] += 1
         projection = cameras.dominant(candidates[:4000])
         clips = [entry.mesh.clip(v) for entry in drawn for v in geometry.samples_of(entry.mesh, 16)]
         if projection is None:
@@ -315,13 +321,18 @@ class FrameExport:
 
     def _view(self, drawn, projection, shared):
         found = []
-        for form, other, weight, count, name in shared.values():
+        for form, weight, count in shared.values():
             is_pure = all(abs(x) < 1e-9 for x in (form[3][0], form[3][1], form[3][3]))
-            if is_pure or not projection.is_near(other):
+            if is_pure or count < max(2, len(drawn) // 4):
                 continue
-            view = cameras.rigid_view(projection.view_rows(form))
-            if view is not None and count >= max(2, len(drawn) // 4):
-                found.append((weight, view))
+            for variant in cameras.clip_variants(form):
+                other = cameras.projection_of(variant, drawn[0].state.clip_y_up)
+                if other is None or not projection.is_near(other):
+                    continue
+                view = cameras.rigid_view(projection.view_rows(variant))
+                if view is not None:
+                    found.append((weight, view))
+                    break
         if found:
             return max(found, key=lambda f: f[0])[1]
         named = {}
@@ -336,14 +347,19 @@ class FrameExport:
                                 named[view] = named.get(view, 0) + entry.triangles()
         if named:
             return max(named, key=named.get)
-        same = {}
+        same = []  # [rows, draws, triangles] of near maps
         for entry in drawn:
-            if entry.clip_rows is not None:
-                key = tuple(tuple("%.4g" % x for x in row) for row in entry.clip_rows)
-                held = same.setdefault(key, [entry.clip_rows, 0, 0])
-                held[1] += 1
-                held[2] += entry.triangles()
-        for rows, count, _ in sorted(same.values(), key=lambda s: -s[2]):
+            if entry.clip_rows is None:
+                continue
+            for held in same:
+                if cameras.are_near(held[0], entry.clip_rows):
+                    break
+            else:
+                held = [entry.clip_rows, 0, 0]
+                same.append(held)
+            held[1] += 1
+            held[2] += entry.triangles()
+        for rows, count, _ in sorted(same, key=lambda s: -s[2]):
             view = cameras.rigid_view(projection.view_rows(rows))
             if view is not None and (count >= 2 or len(drawn) == 1):
                 return view
@@ -447,9 +463,11 @@ class FrameExport:
             corners = [v for t in sorted(entry.kept) for v in corners[3 * t:3 * t + 3]]
             if not corners:
                 return
-        if (state.cull == "Back") != state.front_ccw and state.cull != "None":
-            corners = [v for t in range(0, len(corners), 3) for v in (corners[t], corners[t + 2], corners[t + 1])]
         place = self._placements(entry, camera)
+        # The visible side is counter-clockwise on the image, clockwise where the placement mirrors (glTF).
+        mirrors = place is not None and determinant(place[0]) < 0
+        if state.cull != "None" and ((state.cull == "Back") != state.front_ccw) != mirrors:
+            corners = [v for t in range(0, len(corners), 3) for v in (corners[t], corners[t + 2], corners[t + 1])]
         draw = Draw(material=self._material(entry), vertex_count=mesh.count)
         resources = sorted(set(str(a.resource).split(":")[-1] for a in entry.attributes if a.constant is None))
         name = "vertices {} from {}, {} triangles".format("+".join(resources) or "generated", mesh.first,
@@ -555,9 +573,8 @@ class FrameExport:
         tangent = geometry.pick(entry.attributes, geometry.TANGENT, 3, 4)
         if tangent is not None and "normal" in entry.textures:
             draw.tangent = self._stream(entry, tangent, 4)
-        mirrored = sum(determinant(rows) < 0 for rows in maps)
-        if mirrored:
-            self.notices.draw("mirrored placements", entry.name)
+        if entry.state.cull != "None" and len(set(determinant(rows) < 0 for rows in maps)) > 1:
+            self.notices.draw("approximated: some instances are mirrored; the wrong side of those shows", entry.name)
         if len(maps) == 1:
             draw.transform = column_major(maps[0])
             return

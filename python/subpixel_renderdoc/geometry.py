@@ -45,7 +45,9 @@ def read_mesh(replay, action, state):
         count = min(count, len(data) // stride)
     restarts = []
     if indices is not None and state.restart_index is not None and state.topology != "list":
-        restarts = [i for i in range(count) if indices[i] == state.restart_index]
+        # OpenGL's fixed index is the largest of the indices' size, whatever its setting says.
+        restart = state.restart_index & ((1 << 8 * replay.index_bytes()) - 1)
+        restarts = [i for i in range(count) if indices[i] == restart]
     base = action.baseVertex if indices is not None else action.vertexOffset
     mesh = Mesh()
     mesh.outputs = (data, stride)

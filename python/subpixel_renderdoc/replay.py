@@ -174,6 +174,9 @@ class Replay:
         data = self.buffer(held.resourceId, held.byteOffset + action.indexOffset * size, action.numIndices * size)
         return self._unpacked(data, size, action.numIndices)
 
+    def index_bytes(self):
+        return self.pipe.GetIBuffer().byteStride or 4
+
     @staticmethod
     def _unpacked(data, size, count):
         letter = {1: "B", 2: "H", 4: "I"}.get(size)
@@ -247,13 +250,46 @@ class Replay:
 
     def matrices(self):
         """(name, four rows of four) of the vertex shader's 4x4 constants: M v with columns as vectors."""
-        rd, pipe, found = self.rd, self.pipe, []
-        stage = rd.ShaderStage.Vertex
+        found = []
+        for block, variable in self._constants(self.rd.ShaderStage.Vertex,
+                                               lambda block: any(_has_matrix(v.type) for v in block.variables)):
+            self._collect(variable, block.name, found)
+        return found
+
+    def fragment_constants(self):
+        """Name -> number of the fragment shader's scalars and components of vectors, by the names that sources use."""
+        found = {}
+
+        def collect(variable, prefix):
+            names = [prefix + variable.name, variable.name]
+            if len(variable.members):
+                for member in list(variable.members)[:32]:
+                    collect(member, prefix + variable.name + ".")
+                return
+            if variable.rows != 1 or variable.columns > 4:
+                return
+            kinds = self.rd.VarType
+            values = variable.value.f32v if variable.type in (kinds.Float, kinds.Half) else variable.value.s32v
+            for name in names:
+                if variable.columns == 1:
+                    found[name] = values[0]
+                for c in range(variable.columns):
+                    found[name + "." + "xyzw"[c]] = found[name + "." + "rgba"[c]] = values[c]
+
+        for block, variable in self._constants(self.rd.ShaderStage.Fragment, lambda block: True):
+            collect(variable, "")
+            if block.name:
+                collect(variable, block.name + ".")
+        return found
+
+    def _constants(self, stage, wanted):
+        """(block, variable) of a stage's constant blocks, those that `wanted` takes."""
+        rd, pipe = self.rd, self.pipe
         reflection = pipe.GetShaderReflection(stage)
         if reflection is None:
-            return found
+            return
         for i, block in enumerate(reflection.constantBlocks):
-            if not any(_has_matrix(v.type) for v in block.variables):
+            if not wanted(block):
                 continue
             if hasattr(pipe, "GetConstantBlock"):
                 held = pipe.GetConstantBlock(stage, i, 0).descriptor
@@ -265,8 +301,7 @@ class Replay:
                 pipe.GetGraphicsPipelineObject(), reflection.resourceId, stage, pipe.GetShaderEntryPoint(stage), i,
                 resource, offset, size)
             for variable in variables:
-                self._collect(variable, block.name, found)
-        return found
+                yield block, variable
 
     def _collect(self, variable, prefix, found):
         if len(found) >= 64:

@@ -1,6 +1,6 @@
 """Textures to image files or texels that a capture holds.
 
-Block-compressed ones go as the DDS file that RenderDoc saves, which OpenImageIO decodes when the capture is replayed;
+Block-compressed ones go as DDS files of the blocks as they are, which OpenImageIO decodes when the capture is replayed;
 8-bit ones as texels; all others as the PNG that RenderDoc converts them to.
 """
 import os
@@ -74,11 +74,17 @@ def read(replay, resource, role, sampler):
             texture.width, texture.height = description.width, description.height
             texture.bytes = texels[:4 * description.width * description.height]
             return texture, ""
+    blocks = _blocks(kinds, form.type)
+    if blocks:
+        data = bytes(replay.controller.GetTextureData(resource, rd.Subresource(0, 0, 0)))
+        signed = form.compType in (rd.CompType.SNorm, rd.CompType.SInt)
+        texture.bytes = _dds(description.width, description.height, blocks, signed, data)
+        texture.encoding = TextureEncoding.IMAGE_FILE
+        return texture, ""
     save = rd.TextureSave()
     save.resourceId = resource
     save.mip, save.slice.sliceIndex, save.sample.sampleIndex = 0, 0, 0
-    is_block = form.type in (kinds.BC1, kinds.BC2, kinds.BC3, kinds.BC4, kinds.BC5, kinds.BC6, kinds.BC7)
-    save.destType = rd.FileType.DDS if is_block else rd.FileType.PNG
+    save.destType = rd.FileType.PNG
     save.alpha = rd.AlphaMapping.Preserve
     folder = tempfile.mkdtemp(prefix="subpixel-texture.")
     path = os.path.join(folder, "texture")
@@ -94,6 +100,24 @@ def read(replay, resource, role, sampler):
         os.rmdir(folder)
     texture.encoding = TextureEncoding.IMAGE_FILE
     return texture, ""
+
+
+def _blocks(kinds, kind):
+    """(bytes of a 4x4 block, FourCC, DXGI format where there is no FourCC) of a block-compressed type, or None."""
+    return {kinds.BC1: (8, b"DXT1", 0), kinds.BC2: (16, b"DXT3", 0), kinds.BC3: (16, b"DXT5", 0),
+            kinds.BC4: (8, b"ATI1", 0), kinds.BC5: (16, b"ATI2", 0), kinds.BC6: (16, b"DX10", 95),
+            kinds.BC7: (16, b"DX10", 98)}.get(kind)
+
+
+def _dds(width, height, blocks, signed, data):
+    """A DDS file of one level (Microsoft, "Programming guide for DDS")."""
+    block_bytes, code, dxgi = blocks
+    size = (width + 3) // 4 * ((height + 3) // 4) * block_bytes
+    head = struct.pack("<4s7I44x", b"DDS ", 124, 0x81007, height, width, size, 0, 0)
+    head += struct.pack("<2I4s5I", 32, 4, code, 0, 0, 0, 0, 0) + struct.pack("<5I", 0x1000, 0, 0, 0, 0)
+    if code == b"DX10":
+        head += struct.pack("<5I", dxgi + (1 if signed and dxgi == 95 else 0), 3, 0, 1, 0)
+    return head + data[:size]
 
 
 def _rgba(data, components, is_bgra):
@@ -118,10 +142,95 @@ def has_alpha(texture):
     return texture.bytes[3::4].count(b"\xff") != len(texture.bytes) // 4
 
 
-def cutoff(source):
-    """(whether a fragment shader discards, the alpha below which it does or None)."""
+_COMPARED = re.compile(r"([A-Za-z_]\w*(?:\.\w+)*)\s*(==|!=|>=|<=|>|<)\s*(-?[0-9]+\.?[0-9]*)")
+_OPERATIONS = {"==": lambda a, b: a == b, "!=": lambda a, b: a != b, ">=": lambda a, b: a >= b,
+               "<=": lambda a, b: a <= b, ">": lambda a, b: a > b, "<": lambda a, b: a < b}
+
+
+def _may_discard(source, constants):
+    """False where each discard stands behind a constant that keeps it from happening: a comparison with a number or a
+    flag, joined to the rest by "and"."""
+    for found in re.finditer(r"\bdiscard\b", source):
+        before = source[:found.start()]
+        begin = before.rfind("if")
+        condition = before[begin:] if begin >= 0 and not re.search("[;}]", before[begin:]) else ""
+        if "||" in condition or not condition:
+            return True
+        known = [(_value(name, constants), op, float(number)) for name, op, number in _COMPARED.findall(condition)]
+        stops = any(value is not None and not _OPERATIONS[op](value, number) for value, op, number in known)
+        flags = re.findall(r"(?<![\w.!])([A-Za-z_]\w*(?:\.\w+)*)\s*(?=&&|\))", condition)
+        if not stops and not any(_value(name, constants) == 0 for name in flags):
+            return True
+    return False
+
+
+def _value(name, constants):
+    """Of a constant by the name that a source gives it: with its block's instance before it, or without."""
+    parts = name.split(".")
+    for i in range(len(parts)):
+        if ".".join(parts[i:]) in constants:
+            return constants[".".join(parts[i:])]
+    return None
+
+
+class _Disassembly:
+    """What RenderDoc's text of a SPIR-V module says of the conditions of its kills: names by their one assignment."""
+
+    def __init__(self, source, constants):
+        self.constants = constants
+        self.thresholds = []
+        self.values = dict(re.findall(r"(_\d+) = ([^;]+);", source))
+        self.asked = set(re.findall(r"\bif\((_\d+)\)", source))
+        self.kills = []
+        for found in re.finditer(r"\bKill\(\)|DemoteToHelper", source):
+            before = re.findall(r"\bif\(!?(_\d+)\)", source[:found.start()])
+            self.kills.append(before[-1] if before else None)
+
+    def resolved(self, name, depth=0):
+        """The variable that a value was loaded from."""
+        text = self.values.get(name, name).strip()
+        if depth < 8 and re.match(r"[*&]?_\d+$", text):
+            return self.resolved(text.lstrip("*&"), depth + 1)
+        return text.lstrip("*&")
+
+    def truth(self, name, depth=0):
+        """Of a condition: True, False, or None where it depends on the fragment."""
+        text = self.values.get(name, "")
+        compared = re.match(r"(\w+) (==|!=|>=|<=|>|<) (-?[0-9.]+)$", text)
+        if compared:
+            value = _value(self.resolved(compared.group(1)), self.constants)
+            number = float(compared.group(3))
+            if value is not None:
+                return _OPERATIONS[compared.group(2)](value, number)
+            if compared.group(2) in ("<", "<="):
+                self.thresholds.append(number)
+            return None
+        joined = re.match(r"Phi\((_\d+), (_\d+)\)$|(_\d+) (?:&&|\|\|) (_\d+)$", text)
+        if joined and depth < 16:
+            first, second = [part for part in joined.groups() if part]
+            both = [self.truth(first, depth + 1), self.truth(second, depth + 1)]
+            is_and = first in self.asked if "Phi" in text else "&&" in text
+            if is_and:
+                return False if False in both else True if both == [True, True] else None
+            return True if True in both else False if both == [False, False] else None
+        return None
+
+    def discards(self):
+        return any(kill is None or self.truth(kill) is not False for kill in self.kills)
+
+
+def cutoff(source, constants):
+    """(whether a fragment shader discards, the alpha below which it does or None). `constants`: name -> number."""
+    if re.search(r"\bdiscard\b", source) and not _may_discard(source, constants):
+        return False, None
     if not re.search(r"\bdiscard\b|OpKill|\bKill\b|OpDemoteToHelper|\bclip\s*\(|\bdiscard_(n?z)\b", source):
         return False, None
+    if "SPIR-V" in source[:200]:
+        module = _Disassembly(source, constants)
+        if not module.discards():
+            return False, None
+        found = [t for t in module.thresholds if 0.0 < t <= 1.0]
+        return True, found[0] if found else None
     number = r"([0-9]*\.[0-9]+|[0-9]+\.?)f?"
     for pattern in (r"(?:\.a|\.w|alpha)\s*\)?\s*<=?\s*" + number, r"clip\s*\([^;]*?(?:\.a|\.w|alpha)\s*-\s*" + number,
                     r"<=?\s*" + number + r"[^;{]{0,40}\{?\s*(?:discard|Kill)"):
