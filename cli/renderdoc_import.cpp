@@ -13,10 +13,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 
 #include "base/error.hpp"
 #include "capture_format/reader.hpp"
-#include "cli/renderdoc_package.hpp"
+#include "python/embedded.hpp"
 
 namespace subpixel::cli {
 namespace {
@@ -43,13 +44,17 @@ class Scratch {
 };
 
 void unpack(const std::filesystem::path& folder) {
-  for (const auto& [name, text] : kRenderDocPackage) {
-    const std::filesystem::path path = folder / name;
-    std::filesystem::create_directories(path.parent_path());
-    std::ofstream out(path, std::ios::binary);
-    out << text;
-    if (!out.flush()) throw InputError(kFailed, "its exporter can't be written", path.string());
-  }
+  const auto write = [&](const char* package, std::span<const EmbeddedFile> files) {
+    std::filesystem::create_directories(folder / package);
+    for (const EmbeddedFile& file : files) {
+      const std::filesystem::path path = folder / package / file.path;
+      std::ofstream out(path, std::ios::binary);
+      out << file.content;
+      if (!out.flush()) throw InputError(kFailed, "its exporter can't be written", path.string());
+    }
+  };
+  write("subpixel_capture", python::capture_files());
+  write("subpixel_renderdoc", python::renderdoc_files());
 }
 
 std::optional<std::string> program_in_path(const std::string& name) {

@@ -33,7 +33,7 @@ def distances_of_application(path, target, event, viewport, projection, clip_neg
         texture = replay.textures[target]
         data = bytes(replay.controller.GetTextureData(texture.resourceId, rd.Subresource(0, 0, 0)))
         is_gl = replay.controller.GetPipelineState().IsCaptureGL()
-        depths = _depths(rd, texture.format, data, texture.width * texture.height)
+        depths = _depths(rd, texture.format, data, texture.width * texture.height, is_gl)
     finally:
         replay.close()
         rd.ShutdownReplay()
@@ -55,10 +55,11 @@ def distances_of_application(path, target, event, viewport, projection, clip_neg
     return rows
 
 
-def _depths(rd, form, data, count):
+def _depths(rd, form, data, count, is_gl):
     kinds = rd.ResourceFormatType
     if form.type == kinds.D24S8:
-        return [(v & 0xFFFFFF) / 16777215.0 for v in struct.unpack("<%dI" % count, data[:4 * count])]
+        shift = 8 if is_gl else 0  # GL_UNSIGNED_INT_24_8 has stencil in the low bits, the other APIs in the high ones
+        return [(v >> shift & 0xFFFFFF) / 16777215.0 for v in struct.unpack("<%dI" % count, data[:4 * count])]
     if form.type == kinds.D32S8:
         return list(struct.unpack("<" + "f4x" * count, data[:8 * count]))
     if form.compByteWidth == 2:
@@ -245,6 +246,6 @@ def main(arguments=None):
 if __name__ == "__main__":
     try:
         sys.exit(main())
-    except (ExportError, spcap.CaptureError) as error:
+    except (ExportError, spcap.CaptureError, OSError) as error:
         print("subpixel_renderdoc: {}".format(error), file=sys.stderr)
         sys.exit(3)
