@@ -35,7 +35,8 @@ subpixel=${SUBPIXEL:-$here/build/release/subpixel}
 python=${SUBPIXEL_PYTHON:-/usr/bin/python3}
 [ -x "$subpixel" ] || fail "$subpixel is not built"
 command -v xvfb-run >/dev/null || fail "xvfb-run is missing; Debian's packages are xvfb and xauth"
-"$python" -c 'import renderdoc' 2>/dev/null || fail "$python has no module renderdoc; Debian's package is python3-renderdoc"
+"$python" -c 'import renderdoc' 2>/dev/null ||
+  fail "$python has no module renderdoc; Debian's package is python3-renderdoc"
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

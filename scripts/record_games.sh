@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Records frames of two games, imports them and compares depths with RenderDoc's, by hand or at night: takes minutes, and
-# packages that this script asks for but does not install.
+# Records frames of two games, imports them and compares depths with RenderDoc's, by hand or at night: takes minutes,
+# and packages that this script asks for but does not install.
 #   scripts/record_games.sh OUT_FOLDER [warzone_vulkan|warzone_opengl|supertuxkart ...]     default: all
 # Warzone 2100 (Debian: warzone2100; GPL-2+, art CC0-1.0, CC-BY-SA-3.0, GPL-2+) by Vulkan and by OpenGL: one scene, two
 # APIs. SuperTuxKart (Debian: supertuxkart; GPL-3+, art CC-BY-SA-3.0 and others) by OpenGL, 2 consecutive frames.

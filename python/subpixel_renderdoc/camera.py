@@ -1,8 +1,9 @@
 """The camera of a frame from matrices and clip positions.
 
-A perspective projection shows in any matrix that has it as its last factor, whatever rotations, translations and uniform
-scales stand before: with r0 to r3 the first three numbers of the rows, r3 is the viewing direction, r0 and r1 are across
-it, r2 along it. So no names are needed: every draw's map from input to clip positions, and every 4x4 constant, is asked.
+A perspective projection shows in any matrix that has it as its last factor, whatever rotations, translations and
+uniform scales stand before: with r0 to r3 the first three numbers of the rows, r3 is the viewing direction, r0 and r1
+are across it, r2 along it. So no names are needed: every draw's map from input to clip positions, and every 4x4
+constant, is asked.
 """
 import math
 
@@ -83,7 +84,7 @@ def are_near(a, b):
 
 
 def rigid_view(rows):
-    """A proper rotation and translation of three rows of four that have a common scale, mirrored if need be; or None."""
+    """The rotation and translation of three rows of four that have a common scale, mirrored if need be; or None."""
     lengths = [length(row) for row in rows]
     if min(lengths) < 1e-9 or max(lengths) > 1.01 * min(lengths):
         return None

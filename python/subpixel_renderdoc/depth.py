@@ -4,8 +4,8 @@
 
 replays a copy of the capture whose colours are the distances from the eye and compares them, pixel by pixel, with the
 depth buffer that RenderDoc replays after the last draw that was taken. Prints JSON: shares of pixels whose distances
-agree to half a per cent, that only one side covers, and that differ; writes a picture (green: agrees, red: differs, blue:
-only the application drew there, yellow: only the capture does, black: neither).
+agree to half a per cent, that only one side covers, and that differ; writes a picture (green: agrees, red: differs,
+blue: only the application drew there, yellow: only the capture does, black: neither).
 """
 import json
 import os

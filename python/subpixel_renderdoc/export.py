@@ -21,9 +21,9 @@ MOST_INSTANCES = 65536
 class Options:
     """What of the frame is taken, and how.
 
-    events: (first, last) event ids, or None; target: id of the depth target as RenderDoc shows it, or None; mapping: role
-    -> names (regular expressions) or slots of textures; sun: the way a directional light travels in world space, or
-    None; title, application, licence: texts of the metadata; progress: called with a line now and then."""
+    events: (first, last) event ids, or None; target: id of the depth target as RenderDoc shows it, or None; mapping:
+    role -> names (regular expressions) or slots of textures; sun: the way a directional light travels in world space,
+    or None; title, application, licence: texts of the metadata; progress: called with a line now and then."""
 
     def __init__(self, **values):
         self.events = self.target = self.sun = None

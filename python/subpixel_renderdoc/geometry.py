@@ -14,7 +14,7 @@ TANGENT = r"tangent|TANGENT"
 
 
 class Mesh:
-    """One instance's vertices: `first` to `first + count - 1` by number; corners are vertex numbers, three a triangle."""
+    """One instance's vertices, numbered `first` to `first + count - 1`; corners are such numbers, three a triangle."""
 
     def __init__(self):
         self.first = self.count = 0

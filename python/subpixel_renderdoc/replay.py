@@ -232,7 +232,7 @@ class Replay:
         return found
 
     def vertex_outputs(self, instance):
-        """(bytes, stride, index of each vertex drawn or None, base) after the vertex shader; None where there is none."""
+        """(bytes, stride, index of each vertex drawn or None, base) after the vertex shader, or None."""
         mesh = self.controller.GetPostVSData(instance, 0, self.rd.MeshDataStage.VSOut)
         if mesh.vertexResourceId == self.null or mesh.vertexByteStride == 0:
             return None

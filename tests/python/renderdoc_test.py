@@ -204,7 +204,8 @@ class Whole(unittest.TestCase):
 
     def test_a_capture_of_distances(self):
         capture = spcap.Capture(
-            buffers=[spcap.Buffer(bytes=struct.pack("<9f", 0, 0, -2, 1, 0, -4, 0, 1, -8))], materials=[spcap.Material()],
+            buffers=[spcap.Buffer(bytes=struct.pack("<9f", 0, 0, -2, 1, 0, -4, 0, 1, -8))],
+            materials=[spcap.Material()],
             frames=[spcap.Frame(draws=[spcap.Draw(position=spcap.VertexStream(buffer=0, stride=12), index_count=3,
                                                   vertex_count=3)])])
         made, furthest = depth.distance_capture(capture, 0)

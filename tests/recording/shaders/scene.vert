@@ -1,5 +1,5 @@
-// A vertex of the test scene, skinned by up to two bones and moved by its instance. Reads: vertex attributes, the frame's
-// and the draw's constants. Writes: clip position, world normal, uv, colour.
+// A vertex of the test scene, skinned by two bones and moved by its instance. Reads: vertex attributes, the frame's and
+// the draw's constants. Writes: clip position, world normal, uv.
 #version 450
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
