@@ -3,6 +3,7 @@ import argparse
 import json
 import os
 import sys
+import traceback
 
 from subpixel_capture import CaptureError
 
@@ -73,6 +74,11 @@ def main(arguments=None):
         return 3
     except MemoryError:
         say("error", "the RenderDoc capture can't be exported: memory ran out: {}".format(options.captures[0]))
+        return 3
+    except Exception as error:  # what RenderDoc hands out may be anything: one line with the place, for a report
+        place = traceback.extract_tb(sys.exc_info()[2])[-1]
+        say("error", "the RenderDoc capture can't be exported: {} {}: {} line {}: {}".format(
+            type(error).__name__, error, os.path.basename(place.filename), place.lineno, options.captures[0]))
         return 3
 
 

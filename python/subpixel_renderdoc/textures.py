@@ -1,14 +1,15 @@
 """Textures to image files or texels that a capture holds.
 
 Block-compressed ones go as DDS files of the blocks as they are, which OpenImageIO decodes when the capture is replayed;
-8-bit ones as texels; all others as the PNG that RenderDoc converts them to.
+others are converted to 8-bit texels here. RenderDoc's own conversions would draw, which costs a replay and shows nothing
+where the driver is told to leave pixels out (cli/renderdoc_import.cpp).
 """
-import os
 import re
 import struct
-import tempfile
 
 from subpixel_capture import Sampler, Texture, TextureEncoding
+
+from .formats import AttributeFormat
 
 ROLES = ("base_colour", "normal", "metallic_roughness", "emissive")
 
@@ -81,25 +82,51 @@ def read(replay, resource, role, sampler):
         texture.bytes = _dds(description.width, description.height, blocks, signed, data)
         texture.encoding = TextureEncoding.IMAGE_FILE
         return texture, ""
-    save = rd.TextureSave()
-    save.resourceId = resource
-    save.mip, save.slice.sliceIndex, save.sample.sampleIndex = 0, 0, 0
-    save.destType = rd.FileType.PNG
-    save.alpha = rd.AlphaMapping.Preserve
-    folder = tempfile.mkdtemp(prefix="subpixel-texture.")
-    path = os.path.join(folder, "texture")
-    try:
-        replay.controller.SaveTexture(save, path)
-        if not os.path.exists(path) or os.path.getsize(path) == 0:
-            return None, "RenderDoc does not save {}".format(form.Name())
-        with open(path, "rb") as file:
-            texture.bytes = file.read()
-    finally:
-        if os.path.exists(path):
-            os.unlink(path)
-        os.rmdir(folder)
-    texture.encoding = TextureEncoding.IMAGE_FILE
+    texels = _converted(rd, form, replay.controller.GetTextureData(resource, rd.Subresource(0, 0, 0)),
+                        description.width * description.height)
+    if texels is None:
+        return None, "its format {} is not known here".format(form.Name())
+    texture.srgb = srgb and form.compType != rd.CompType.Float
+    texture.width, texture.height, texture.bytes = description.width, description.height, texels
     return texture, ""
+
+
+def _converted(rd, form, data, count):
+    """RGBA texels of 8 bits of `count` texels in another format; None where the format is not known."""
+    data, kinds = bytes(data), rd.ResourceFormatType
+    packed = {kinds.R5G6B5: (5, 6, 5, 0), kinds.R5G5B5A1: (5, 5, 5, 1), kinds.R4G4B4A4: (4, 4, 4, 4)}.get(form.type)
+    if packed and len(data) >= 2 * count:
+        return _unpacked(struct.unpack("<%dH" % count, data[:2 * count]), packed, form.BGRAOrder())
+    if form.type not in (kinds.Regular, kinds.R10G10B10A2) or form.compType not in (
+            rd.CompType.Float, rd.CompType.UNorm, rd.CompType.SNorm, rd.CompType.UNormSRGB):
+        return None
+    element = AttributeFormat(rd, form)
+    if element.bytes == 0 or len(data) < element.bytes * count:
+        return None
+    out = bytearray(b"\xff") * (4 * count)
+    for i, value in enumerate(element.decode(data, 0, element.bytes, count)):
+        if len(value) == 1:
+            value = value * 3
+        for c, v in enumerate(value):
+            out[4 * i + c] = int(255.0 * min(max(v, 0.0), 1.0) + 0.5) if v == v else 0
+        if len(value) == 2:
+            out[4 * i + 2] = 0
+    return bytes(out)
+
+
+def _unpacked(words, bits, alpha_first):
+    """Texels of 16-bit words with red in the highest bits, alpha in the lowest or, with `alpha_first`, before red."""
+    red, green, blue, alpha = bits
+    out = bytearray(b"\xff") * (4 * len(words))
+    for i, word in enumerate(words):
+        if alpha and alpha_first:
+            word = (word << alpha | word >> (16 - alpha)) & 0xFFFF
+        shift = 16
+        for c, size in enumerate((red, green, blue, alpha)):
+            if size:
+                shift -= size
+                out[4 * i + c] = (word >> shift & ((1 << size) - 1)) * 255 // ((1 << size) - 1)
+    return bytes(out)
 
 
 def _blocks(kinds, kind):

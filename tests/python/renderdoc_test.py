@@ -174,6 +174,12 @@ class Textures(unittest.TestCase):
         self.assertEqual(textures._rgba(b"\1\2", 2, False), b"\1\2\0\xff")
         self.assertEqual(textures._rgba(b"\7", 1, False), b"\7\7\7\xff")
 
+    def test_packed_texels(self):
+        self.assertEqual(textures._unpacked([0xF800, 0x07E0, 0x001F], (5, 6, 5, 0), False),
+                         b"\xff\0\0\xff\0\xff\0\xff\0\0\xff\xff")
+        self.assertEqual(textures._unpacked([0xF800, 0x0001], (5, 5, 5, 1), False), b"\xff\0\0\0\0\0\0\xff")
+        self.assertEqual(textures._unpacked([0x7C00, 0x8000], (5, 5, 5, 1), True), b"\xff\0\0\0\0\0\0\xff")
+
     def test_dds_files(self):
         data = textures._dds(5, 4, (8, b"DXT1", 0), False, b"x" * 99)
         self.assertEqual((len(data), data[:4], data[84:88]), (128 + 16, b"DDS ", b"DXT1"))
