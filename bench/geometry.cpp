@@ -56,7 +56,6 @@ void record_driver_depth(gpu::PassRecorder& recorder, GpuScene& scene, Frontend&
   gpu::RasterPass pass;
   pass.name = fmt::format("driver {}x depth", static_cast<int>(samples));
   pass.pipeline.vertex = "tests/plain.vert";
-  pass.pipeline.targets.depth = VK_FORMAT_D32_SFLOAT;
   pass.pipeline.targets.samples = samples;
   pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_GREATER;
@@ -84,9 +83,9 @@ int run(int argc, char** argv) {
   frontend.prepare(8);
   fmt::print("{}; {}\n{} triangles, {} hulls, {} clipped\n", device.info().driver_version, device.info().cpu_model,
              scene.triangle_count(), frontend.hull_count(), frontend.clipped_count());
-  const ParameterValues parameters{{"alpha", "to_coverage"}, {"resolve", "linear"}, {"shading", "ggx"}};
+  const CommonParameters parameters;
   FrameOutputs outputs;
-  const FrameSetup setup{scene, frontend, 1280, 720, 8, parameters, outputs};
+  const FrameSetup setup{scene, frontend, 1280, 720, parameters, outputs};
   gpu::PassRecorder ours(device), driver(device), driver1(device);
   frontend.record_setup(ours);
   record_visibility(ours, setup);

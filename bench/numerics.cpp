@@ -55,10 +55,9 @@ void print_cases() {
 class Recorded {
  public:
   Recorded(gpu::Device& device, CaseScene& scene, Frontend& frontend, const Technique& technique)
-      : parameters_(check_parameters(technique.name, technique.parameters, {})), recorder_(device) {
-    const auto samples = parameters_.at("samples").get<std::uint32_t>();
-    frontend.prepare(samples);
-    const FrameSetup setup{scene.scene, frontend, scene.width, scene.height, samples, parameters_, outputs_};
+      : setting_(technique.with()), recorder_(device) {
+    frontend.prepare(setting_.parameters->samples);
+    const FrameSetup setup{scene.scene, frontend, scene.width, scene.height, *setting_.parameters, outputs_};
     technique.record(recorder_, setup);
     for (const auto& entry : technique.layout(setup).fitted) fitted_bytes_per_pixel += entry.bits_per_pixel / 8;
   }
@@ -74,7 +73,7 @@ class Recorded {
   double fitted_bytes_per_pixel = 0;
 
  private:
-  const ParameterValues parameters_;
+  const TechniqueSetting setting_;
   FrameOutputs outputs_;
   gpu::PassRecorder recorder_;
 };

@@ -21,7 +21,7 @@
 #include "replay/replay.hpp"
 #include "replay/results/plots.hpp"
 #include "replay/results/results_file.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 
 namespace subpixel::cli {
 namespace {
@@ -138,7 +138,9 @@ int worker(const std::string& job_file) {
       print_line({{"type", "progress"}, {"stage", stage}, {"done", done}, {"total", total}, {"detail", detail}});
     };
     events.head = [](const ResultsHead& head) { print_line({{"type", "head"}, {"head", to_json(head)}}); };
-    events.result = [](const FrameResult& result) { print_line({{"type", "result"}, {"result", to_json(result)}}); };
+    events.result = [](std::uint32_t ordinal, const FrameResult& result) {
+      print_line({{"type", "result"}, {"ordinal", ordinal}, {"result", to_json(result)}});
+    };
     run_replay(job, events);
   } catch (...) {
     const Failure end = failure_of(std::current_exception());

@@ -23,7 +23,7 @@
 #include "replay/reference/reference_cache.hpp"
 #include "replay/results/limits.hpp"
 #include "replay/scene/lights.hpp"
-#include "replay/techniques/frame_setup.hpp"
+#include "replay/techniques/complete_technique.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -33,13 +33,6 @@ double median(std::vector<double> values) {
   const std::size_t middle = values.size() / 2;
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
-
-// A technique with its parameters checked and complete.
-struct PlannedTechnique {
-  const Technique* technique = nullptr;
-  ParameterValues parameters;
-  std::uint32_t samples = 1;
-};
 
 // Every door checks before it gets here; this one is for callers of the library.
 void check_limits(const ReplayOptions& options) {
@@ -52,21 +45,11 @@ void check_limits(const ReplayOptions& options) {
   kTechniquesLimit.require(options.techniques.size());
 }
 
-std::vector<PlannedTechnique> plan(const ReplayOptions& options) {
+std::vector<TechniqueSetting> plan(const ReplayOptions& options) {
   check_limits(options);
-  std::vector<PlannedTechnique> planned;
-  for (const TechniqueRequest& request : options.techniques) {
-    const Technique& technique = find_technique(request.technique);
-    ParameterValues given = request.parameters;
-    // The run's sample count, for techniques that have it as a choice.
-    for (const Parameter& p : technique.parameters)
-      if (p.name == "samples" && !given.contains("samples") &&
-          std::find(p.allowed.begin(), p.allowed.end(), static_cast<double>(options.samples)) != p.allowed.end())
-        given["samples"] = options.samples;
-    PlannedTechnique one{&technique, check_parameters(technique.name, technique.parameters, given), 1};
-    one.samples = one.parameters.at("samples").get<std::uint32_t>();
-    planned.push_back(std::move(one));
-  }
+  std::vector<TechniqueSetting> planned;
+  for (const TechniqueRequest& request : options.techniques)
+    planned.push_back(complete_technique(request, options.samples));
   return planned;
 }
 
@@ -102,16 +85,15 @@ Downloaded download_colour(gpu::Device& device, gpu::Image& image, Encoding enco
 }
 
 // Shading model and whether samples are tone-mapped: techniques that differ in them have different references.
-using ReferenceKind = std::pair<std::uint32_t, bool>;
+using ReferenceKind = std::pair<ShadingModel, Resolve>;
 struct Reference {
   ReferenceImage image;
   std::string file;
   std::uint64_t invalid_pixels = 0;
 };
 
-ReferenceKind reference_kind(const PlannedTechnique& planned) {
-  return {planned.parameters.at("shading") == "blinn_phong" ? 1u : 0u,
-          planned.parameters.at("resolve") == "tone_mapped"};
+ReferenceKind reference_kind(const TechniqueSetting& setting) {
+  return {setting.parameters->shading, setting.parameters->resolve};
 }
 
 class Replay {
@@ -131,10 +113,10 @@ class Replay {
   void make_head();
   void run_frame(std::uint32_t frame, std::uint32_t index, std::uint32_t count);
   // The current frame's reference for a technique's shading model and resolve; null without references.
-  const Reference* reference_for(std::uint32_t frame, const PlannedTechnique& planned);
+  const Reference* reference_for(std::uint32_t frame, const TechniqueSetting& planned);
   FrameResult run_technique(std::uint32_t frame, std::size_t which);
   void inspect(gpu::PassRecorder& recorder, const FrameResult& result, const std::string& stem);
-  void count_fragments(FrameResult& result, const gpu::PassRecorder& recorder);
+  void count_fragments(FrameResult& result, const gpu::PassRecorder& recorder, AlphaDecision alpha);
   // `stem` is what the names of the result's files begin with.
   void measure(FrameResult& result, FrameSetup& setup, std::size_t which, const std::string& stem);
   bool skipped(std::uint32_t frame, std::size_t which) const;
@@ -155,7 +137,7 @@ class Replay {
   const ReplayOptions& options_;
   const ReplayEvents& events_;
   const ReplayInspection& inspection_;
-  std::vector<PlannedTechnique> planned_;
+  std::vector<TechniqueSetting> planned_;
   capture::Capture capture_;
   gpu::Device device_;
   std::optional<gpu::RenderDoc> render_doc_;
@@ -164,7 +146,7 @@ class Replay {
   std::uint32_t width_ = 0, height_ = 0;
   ResultsHead head_;
   // Fragments of this frame's geometry, by samples, whether of visible triangles alone, and then the alpha decision.
-  using FragmentKind = std::tuple<std::uint32_t, bool, std::string>;
+  using FragmentKind = std::tuple<std::uint32_t, bool, AlphaDecision>;
   std::map<FragmentKind, std::uint64_t> fragments_;
   std::map<ReferenceKind, Reference> references_, references_before_;  // of this frame and the one before
   std::vector<Image> before_;                                          // each technique's image of the frame before
@@ -205,7 +187,7 @@ Results Replay::run() {
   const auto [first, last] = frame_range(options_, capture_.frames.size());
   kResultsLimit.require((std::uint64_t{last} - first + 1) * planned_.size());
   std::vector<std::string_view> names;
-  for (const PlannedTechnique& planned : planned_) names.push_back(planned.technique->name);
+  for (const TechniqueSetting& planned : planned_) names.push_back(planned.technique->name);
   render_doc_ = require_render_doc(inspection_, first, last, names);
   make_head();
   // Before the work that would be lost.
@@ -241,7 +223,7 @@ Results Replay::run() {
       progress("replay", done, total, fmt::format("frame {} {}", frame, planned_[which].technique->name));
       FrameResult result = run_technique(frame, which);
       now("report");
-      if (events_.result) events_.result(result);
+      if (events_.result) events_.result(static_cast<std::uint32_t>(which), result);
       results.results.push_back(std::move(result));
     }
     references_before_ = std::move(references_);
@@ -256,15 +238,15 @@ Results Replay::run() {
   return results;
 }
 
-const Reference* Replay::reference_for(std::uint32_t frame, const PlannedTechnique& planned) {
+const Reference* Replay::reference_for(std::uint32_t frame, const TechniqueSetting& planned) {
   if (options_.reference_samples == 0) return nullptr;
   const ReferenceKind kind = reference_kind(planned);
   const auto found = references_.find(kind);
   if (found != references_.end()) return &found->second;
   ReferenceOptions wanted;
   wanted.samples = options_.reference_samples;
-  wanted.shading_model = kind.first;
-  wanted.tone_map_samples = kind.second;
+  wanted.shading_model = static_cast<std::uint32_t>(kind.first);
+  wanted.tone_map_samples = kind.second == Resolve::tone_mapped;
   const auto report = [&](std::uint32_t done, std::uint32_t total) {
     progress("reference", done, total, fmt::format("frame {}", frame));
   };
@@ -281,21 +263,22 @@ const Reference* Replay::reference_for(std::uint32_t frame, const PlannedTechniq
 }
 
 FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
-  const PlannedTechnique& planned = planned_[which];
+  const TechniqueSetting& planned = planned_[which];
+  const std::uint32_t samples = planned.parameters->samples;
   now("prepare");
   // Buffers and counts stay as they are between techniques of one frame and sample count.
-  if (prepared_ != std::pair{frame, planned.samples}) frontend_->prepare(planned.samples);
-  prepared_ = {frame, planned.samples};
+  if (prepared_ != std::pair{frame, samples}) frontend_->prepare(samples);
+  prepared_ = {frame, samples};
   FrameOutputs outputs;
-  FrameSetup setup{*scene_, *frontend_, width_, height_, planned.samples, planned.parameters, outputs};
+  FrameSetup setup{*scene_, *frontend_, width_, height_, *planned.parameters, outputs};
   gpu::PassRecorder recorder(device_);
   planned.technique->record(recorder, setup);
 
   FrameResult result;
   result.frame = frame;
   result.technique = planned.technique->name;
-  result.parameters = planned.parameters;
-  result.samples = planned.samples;
+  result.parameters = planned.values;
+  result.samples = samples;
   result.width = width_;
   result.height = height_;
 
@@ -321,7 +304,7 @@ FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   result.memory.fitted_bytes = static_cast<std::uint64_t>(result.memory.fitted_bytes_per_pixel * pixels);
   result.memory.allocated_bytes = recorder.allocated_bytes();
 
-  count_fragments(result, recorder);
+  count_fragments(result, recorder, planned.parameters->alpha);
   result.counters = outputs.counters;
   result.counters["triangles"] = scene_->triangle_count();
   result.counters["screen_triangles"] = frontend_->hull_count();
@@ -341,10 +324,10 @@ void Replay::inspect(gpu::PassRecorder& recorder, const FrameResult& result, con
   progress("capture", 1, 1, file.string());
 }
 
-void Replay::count_fragments(FrameResult& result, const gpu::PassRecorder& recorder) {
+void Replay::count_fragments(FrameResult& result, const gpu::PassRecorder& recorder, AlphaDecision alpha) {
   const auto counted = [&](bool visible) {
     // Which triangles are visible depends on how alpha decides.
-    const FragmentKind kind{result.samples, visible, visible ? result.parameters.at("alpha").get<std::string>() : ""};
+    const FragmentKind kind{result.samples, visible, visible ? alpha : AlphaDecision::to_coverage};
     const auto [found, fresh] = fragments_.try_emplace(kind, 0);
     if (fresh) found->second = frontend_->count_fragments(visible, width_, height_);
     return found->second;

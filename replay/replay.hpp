@@ -14,8 +14,9 @@ namespace subpixel::replay {
 struct ReplayEvents {
   std::function<void(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail)>
       progress;
-  std::function<void(const ResultsHead&)> head;    // before the first result and, with the wall times, after the last
-  std::function<void(const FrameResult&)> result;  // its images are files in the job's out_dir, complete
+  std::function<void(const ResultsHead&)> head;  // before the first result and, with the wall times, after the last
+  // Its images are files in the job's out_dir, complete. `ordinal`: of its technique in the job's list.
+  std::function<void(std::uint32_t ordinal, const FrameResult&)> result;
 };
 
 // What lets one see inside a replay. None of it changes a result.

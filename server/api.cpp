@@ -7,7 +7,7 @@
 #include <charconv>
 
 #include "replay/results/limits.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 #include "server/http_error.hpp"
 #include "web/embedded.hpp"
 

@@ -104,7 +104,8 @@ class EventStream {
     while (true) {
       const std::vector<StoredResult> results = store_.results_after(run_, sent_, kResultsAtATime);
       for (const StoredResult& result : results) {
-        const json data = {{"sequence", result.sequence}, {"result", result.document}};
+        const json data = {
+            {"sequence", result.sequence}, {"ordinal", result.technique_ordinal}, {"result", result.document}};
         if (!write(sink, event_text("result", data, result.sequence))) return false;
         sent_ = result.sequence;
       }

@@ -8,9 +8,9 @@
 #include "base/error.hpp"
 #include "base/json_document.hpp"
 #include "base/json_fields.hpp"
-#include "replay/complete_technique.hpp"
 #include "replay/results/limits.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/complete_technique.hpp"
+#include "replay/techniques/registry.hpp"
 
 namespace subpixel::server {
 namespace {
@@ -25,7 +25,7 @@ void require_technique_count(std::size_t count, const JsonField& list) {
   list.fail(count == 0 ? "expected at least one technique: " + refusal : refusal);
 }
 
-replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t index, std::uint32_t samples) {
+replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t index) {
   check_names(entry, {"technique", "parameters"}, std::string(kWhat), fmt::format("techniques[{}]", index));
   replay::ParameterValues given;
   if (entry.has("parameters")) {
@@ -36,29 +36,25 @@ replay::TechniqueRequest parse_technique(const JsonField& entry, std::size_t ind
       given[item.key()] = item.value();
     }
   }
-  return replay::complete_technique(entry.member("technique").text(), std::move(given), samples);
+  return {entry.member("technique").text(), std::move(given)};
 }
 
 // An entry is one technique, or a text in the command line's syntax, whose sweeps make it several.
 std::vector<replay::TechniqueRequest> parse_techniques(const JsonField& list, std::uint32_t samples) {
   if (list.array_size() == 0) require_technique_count(0, list);
   std::vector<replay::TechniqueRequest> requests;
-  const auto add = [&](replay::TechniqueRequest request, const JsonField& entry) {
-    const bool twice = std::ranges::any_of(requests, [&](const replay::TechniqueRequest& other) {
-      return other.technique == request.technique && other.parameters == request.parameters;
-    });
-    if (twice) entry.fail("the same technique with the same parameters is asked for twice");
-    requests.push_back(std::move(request));
+  const auto add = [&](const replay::TechniqueRequest& request, const JsonField& entry) {
+    if (!add_once(requests, replay::complete_technique(request, samples))) {
+      entry.fail("the same technique with the same parameters is asked for twice");
+    }
     require_technique_count(requests.size(), list);
   };
   for (std::size_t i = 0; i < list.array_size(); ++i) {
     const JsonField entry = list.element(i);
     if (entry.raw().is_string()) {
-      for (replay::TechniqueRequest& request : replay::parse_technique_list(entry.text())) {
-        add(replay::complete_technique(request.technique, std::move(request.parameters), samples), entry);
-      }
+      for (const replay::TechniqueRequest& request : replay::parse_technique_list(entry.text())) add(request, entry);
     } else {
-      add(parse_technique(entry, i, samples), entry);
+      add(parse_technique(entry, i), entry);
     }
   }
   return requests;
@@ -114,8 +110,7 @@ std::uint64_t resolve_frames(replay::ReplayOptions& options, std::uint32_t frame
 
 replay::ReplayOptions thumbnail_options() {
   replay::ReplayOptions options;
-  const replay::Technique& technique = replay::find_technique("noaa");
-  options.techniques.push_back({"noaa", replay::check_parameters(technique.name, technique.parameters, {})});
+  options.techniques.push_back({"noaa", replay::find_technique("noaa").with().values});
   options.frames = {0, 0};
   options.width = 320;
   options.height = 180;

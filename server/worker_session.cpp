@@ -45,7 +45,7 @@ void WorkerSession::take_document(const json& document) {
     // Through the struct, so that what is stored has the form everyone reads.
     store_.set_head(run_.id, replay::to_json(replay::results_head_from_json(message.member("head").raw())));
   } else if (type == "result") {
-    take_result(message.member("result").raw());
+    take_result(message.member("ordinal").u32(), message.member("result").raw());
   } else if (type == "error") {
     error_ = printable(message.member("message").text(), 2000);
   } else if (type == "done") {
@@ -65,9 +65,9 @@ void WorkerSession::take_progress(const json& document) {
   events_.progress(run_.id, std::move(progress));
 }
 
-void WorkerSession::take_result(const json& document) {
+void WorkerSession::take_result(std::uint32_t ordinal, const json& document) {
   const replay::FrameResult result = replay::frame_result_from_json(document);
-  const std::uint32_t ordinal = technique_ordinal(result);
+  require_wanted(ordinal, result);
   const std::map<std::string, Blob> images = read_worker_images(out_dir_, result);
   store_.add_result(run_.id, ordinal, result, images);
   taken_.emplace(result.frame, ordinal);
@@ -84,23 +84,17 @@ void WorkerSession::take_result(const json& document) {
   events_.changed(run_.id);
 }
 
-// The protocol names a result by technique and parameters, the request by its place in the list.
-std::uint32_t WorkerSession::technique_ordinal(const replay::FrameResult& result) const {
+void WorkerSession::require_wanted(std::uint32_t ordinal, const replay::FrameResult& result) const {
   const auto [first, last] = run_.options.frames.value();
   if (result.frame < first || result.frame > last) {
     throw InputError("worker result", "it is for a frame outside of the run", fmt::format("frame {}", result.frame));
   }
   const auto& techniques = run_.options.techniques;
-  for (std::uint32_t i = 0; i < techniques.size(); ++i) {
-    if (taken_.contains({result.frame, i}) || techniques[i].technique != result.technique) continue;
-    const bool same = std::ranges::all_of(techniques[i].parameters, [&](const auto& asked) {
-      const auto given = result.parameters.find(asked.first);
-      return given == result.parameters.end() || given->second == asked.second;
-    });
-    if (same) return i;
+  if (ordinal >= techniques.size() || techniques[ordinal].technique != result.technique ||
+      taken_.contains({result.frame, ordinal})) {
+    throw InputError("worker result", "it is not of this run, or came twice",
+                     fmt::format("frame {} {}", result.frame, printable(result.technique, 60)));
   }
-  throw InputError("worker result", "it is not of this run, or came twice",
-                   fmt::format("frame {} {}", result.frame, printable(result.technique, 60)));
 }
 
 }  // namespace subpixel::server

@@ -30,9 +30,9 @@ class WorkerSession {
 
  private:
   void take_document(const nlohmann::json& document);
-  void take_result(const nlohmann::json& json);
+  void take_result(std::uint32_t ordinal, const nlohmann::json& json);
   void take_progress(const nlohmann::json& document);
-  std::uint32_t technique_ordinal(const replay::FrameResult& result) const;
+  void require_wanted(std::uint32_t ordinal, const replay::FrameResult& result) const;
 
   Store& store_;
   RunEvents& events_;

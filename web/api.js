@@ -82,7 +82,7 @@ export function uploadCapture(file, onProgress) {
 }
 
 /**
- * Follows a run until its end. `on.result({sequence, result})`, `on.status(status)`, `on.end(status)`, `on.lost()`.
+ * Follows a run until its end. `on.result({sequence, ordinal, result})`, `on.status(status)`, `on.end(status)`, `on.lost()`.
  * Returns a function that stops following.
  */
 export function followRun(id, on) {

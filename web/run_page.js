@@ -104,7 +104,7 @@ class RunPage {
     this.#showRun();
     this.#draw();
     this.#stopFollowing = followRun(this.#run.id, {
-      result: ({result}) => this.#take(result),
+      result: ({ordinal, result}) => this.#take(ordinal, result),
       status: (status) => {
         Object.assign(this.#run, status);
         this.#showProgress();
@@ -121,11 +121,8 @@ class RunPage {
     cancelAnimationFrame(this.#drawing);
   }
 
-  #take(result) {
-    const row = this.#rows.find((candidate) => candidate.technique === result.technique && !candidate.results.has(result.frame) &&
-      Object.entries(candidate.parameters).every(([name, value]) => result.parameters[name] === undefined || result.parameters[name] === value));
-    if (!row) return;
-    row.results.set(result.frame, result);
+  #take(ordinal, result) {
+    this.#rows[ordinal].results.set(result.frame, result);
     if (!this.#run.head) this.#refreshHead();
     // Many results can come at once; one drawing for all of them.
     cancelAnimationFrame(this.#drawing);

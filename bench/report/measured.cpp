@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 
 namespace subpixel::report {
 namespace {
@@ -51,7 +51,7 @@ const Run* Measured::with_lights(std::string_view scene, std::uint32_t point_lig
 }
 
 const FrameResult* find(const Run& run, std::string_view technique, const replay::ParameterValues& given) {
-  const auto wanted = check_parameters(technique, replay::find_technique(technique).parameters, given);
+  const auto wanted = replay::find_technique(technique).with(given).values;
   for (const FrameResult& result : run.results.results)
     if (result.technique == technique && result.parameters == wanted) return &result;
   return nullptr;

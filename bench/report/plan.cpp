@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 #include "scenes/generate/generate.hpp"
 
 namespace subpixel::report {
@@ -51,10 +51,8 @@ std::vector<TechniqueRequest> settings(std::string_view list, bool every_techniq
         requests.push_back({std::string(technique->name), {}});
     }
   }
-  for (TechniqueRequest& request : requests) {
-    request.parameters =
-        check_parameters(request.technique, replay::find_technique(request.technique).parameters, request.parameters);
-  }
+  for (TechniqueRequest& request : requests)
+    request.parameters = replay::find_technique(request.technique).with(request.parameters).values;
   return requests;
 }
 

@@ -76,7 +76,7 @@ void replay_run(const RunPlan& run, const fs::path& capture, const MeasureOption
   job.options.point_lights = run.point_lights;
   std::size_t done = 0;
   replay::ReplayEvents events;
-  events.result = [&](const replay::FrameResult& result) {
+  events.result = [&](std::uint32_t, const replay::FrameResult& result) {
     const std::string error = std::isnan(result.error.mse) ? "" : fmt::format(", MSE {:.2e}", result.error.mse);
     options.progress(fmt::format("{} {}/{} {}: {:.0f} ms{}", label, ++done, run.techniques.size(),
                                  setting_name(result.technique, result.parameters), result.ms.total_ms, error));

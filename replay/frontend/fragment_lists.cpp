@@ -35,8 +35,8 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   small.name = name;
   small.shader = "frontend/collect.comp:" + variant;
   small.constants = frontend.constants();
-  small.constants.emplace_back(7, static_cast<std::uint32_t>(masks));
-  small.bindings = {gpu::reads(0, frontend.small_records())};
+  small.constants.emplace_back(FRONTEND_CONSTANT_WITH_MASKS, static_cast<std::uint32_t>(masks));
+  small.bindings = {gpu::reads(FRONTEND_SLOT_SMALL_RECORDS, frontend.small_records())};
   const gpu_types::CollectPush push{.lists = lists.writes(small),
                                     .records = small.reads(frontend.records()),
                                     .count = static_cast<std::uint32_t>(frontend.small_count(true)),
@@ -53,7 +53,7 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   rest.fragment_opaque = rest.fragment_alpha = "frontend/collect.frag:" + variant;
   rest.pass.name = name;
   rest.pass.pipeline.constants = common_constants(setup);
-  rest.pass.pipeline.constants.emplace_back(7, static_cast<std::uint32_t>(masks));
+  rest.pass.pipeline.constants.emplace_back(FRONTEND_CONSTANT_WITH_MASKS, static_cast<std::uint32_t>(masks));
   rest.pass.size = {setup.width, setup.height};
   rest.pass.bindings = {gpu::writes(FRONTEND_SLOT_LISTS, *lists.addresses)};
   frontend.record_geometry(recorder, std::move(rest));
@@ -70,11 +70,11 @@ void record_counting(gpu::PassRecorder& recorder, const FrameSetup& setup, const
 
   gpu::ComputePass bases;
   bases.name = name;
-  bases.bindings = {gpu::reads(0, frontend.counts()), gpu::writes(1, *counted.chunk_sums),
-                    gpu::reads(2, frontend.piece_bases()), gpu::writes(3, *counted.bases)};
-  struct {
-    std::uint32_t chunk_count, triangle_slots;
-  } const chunks{frontend.chunk_count(), frontend.triangle_slots()};
+  bases.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, frontend.counts()),
+                    gpu::writes(FRONTEND_SLOT_SUMS, *counted.chunk_sums),
+                    gpu::reads(FRONTEND_SLOT_PIECE_BASES, frontend.piece_bases()),
+                    gpu::writes(FRONTEND_SLOT_FRAGMENT_BASES, *counted.bases)};
+  const gpu_types::FragmentBasesPush chunks{frontend.chunk_count(), frontend.triangle_slots()};
   bases.push = gpu::PushConstants(chunks);
   bases.groups = {groups_of(frontend.chunk_count()), 1, 1};
 
@@ -113,7 +113,9 @@ gpu_types::ListAddresses FragmentLists::writes(gpu::AddressUses& pass) const {
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name, ListedMasks masks) {
   Frontend& frontend = setup.frontend;
-  if (setup.choice("order") != "lists" || groups_of(frontend.small_count(true)) + 64 > kMostGroups) return std::nullopt;
+  if (dynamic_cast<const OrderedParameters&>(setup.common).order != FragmentOrder::lists ||
+      groups_of(frontend.small_count(true)) + 64 > kMostGroups)
+    return std::nullopt;
   FragmentLists lists;
   {
     gpu::PassRecorder sizing(setup.frontend.device());
@@ -161,14 +163,6 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
   return lists;
 }
 
-Parameter order_parameter() {
-  return choice_parameter(
-      "order",
-      "how fragments come in submission order: as lists by pixel where frames are not too deep, or "
-      "in one ordered geometry pass, as published; both leave the same bits, but for masks that a table makes",
-      {"lists", "one_pass"});
-}
-
 void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
                              const ListedPass& pass) {
   Frontend& frontend = setup.frontend;
@@ -188,8 +182,8 @@ void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setu
     compute.bindings = pass.bindings;
     compute.bindings.push_back(gpu::uniform(scene.frame_constants));
     compute.bindings.push_back(gpu::writes(FRONTEND_SLOT_LISTS, *lists.addresses));
-    compute.bindings.push_back(gpu::reads(9, scene.uv_mappings));
-    compute.bindings.push_back(gpu::reads(10, scene.materials));
+    compute.bindings.push_back(gpu::reads(FRAME_SLOT_UV_MAPPINGS, scene.uv_mappings));
+    compute.bindings.push_back(gpu::reads(FRAME_SLOT_MATERIALS, scene.materials));
     compute.push = gpu::PushConstants(push);
     compute.material = scene.material_set(batch.material);
     compute.groups = {row, (groups + row - 1) / row, 1};

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "replay/techniques/frame_setup.hpp"
+#include "replay/frame/frame_setup.hpp"
 #include "shaders/frontend/frontend_interface.h"
 
 namespace subpixel::replay {
@@ -43,11 +43,8 @@ inline constexpr std::uint64_t kMostFragments = 32'000'000;
 // alpha. Or lists hold all pixels that a triangle's edges reach, and masks are the technique's to make.
 enum class ListedMasks : std::uint32_t { later = 0, collected = 1 };
 
-// Which of two ways, that leave the same bits, brings fragments in submission order: lists, or one ordered pass.
-Parameter order_parameter();
-
-// Collects the current frame's fragments, passes `name`, if that parameter asks for lists and the frame is within the
-// limits above and the device's: a run on the spot counts them. Set-up is recorded already. The counter
+// Collects the current frame's fragments, passes `name`, if the order (OrderedParameters) asks for lists and the frame
+// is within the limits above and the device's: a run on the spot counts them. Set-up is recorded already. The counter
 // "listed_fragments" says so.
 std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name, ListedMasks masks);

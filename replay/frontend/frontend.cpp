@@ -8,25 +8,9 @@
 
 #include "base/error.hpp"
 #include "replay/frontend/list_passes.hpp"
-#include "shaders/frontend/frontend_types.h"
 
 namespace subpixel::replay {
 namespace {
-
-// Push constants of geometry.glsl.
-struct FrontendPush {
-  std::uint64_t positions, indices, clip_matrices, instances, records;
-  std::uint32_t chunk_count, triangle_slots, piece_capacity;
-};
-
-// Push constants of chunk_sum.comp.
-struct SumPush {
-  std::uint32_t chunk_count, triangle_slots, small_bits;
-};
-// Of emit.comp; the last two for what is left of small triangles.
-struct EmitPush {
-  std::uint32_t chunk_count, triangle_slots, hull_capacity, small_capacity, small_bits;
-};
 
 constexpr std::uint32_t kChunk = SUBPIXEL_CHUNK_TRIANGLES;
 // A dispatch may have at least this many groups in each dimension (Vulkan's required limit).
@@ -41,7 +25,7 @@ std::uint32_t groups_of(std::uint64_t items, std::uint32_t size) {
 Frontend::Frontend(gpu::Device& device, GpuScene& scene) : device_(device), scene_(scene) {}
 
 gpu::Constants Frontend::constants() const {
-  return {{0, samples_}, {1, scene_.features().bits}};
+  return {{CONSTANT_SAMPLES, samples_}, {CONSTANT_FEATURES, scene_.features().bits}};
 }
 
 std::uint64_t Frontend::allocated_bytes() const {
@@ -179,37 +163,28 @@ void Frontend::prepare(std::uint32_t samples) {
 }
 
 void Frontend::record_culling(gpu::PassRecorder& recorder) {
-  const FrontendPush push{scene_.positions.address(), scene_.indices.address(),
-                          clip_matrices_.address(),   scene_.instances.address(),
-                          records_.address(),         chunk_count_,
-                          chunk_count_ * kChunk,      static_cast<std::uint32_t>(pieces_)};
   recorder.fill("setup", clip_count_, 0);
   gpu::ComputePass pass;
   pass.name = "setup";
   pass.shader = "frontend/setup.comp";
   pass.constants = constants();
-  pass.bindings = {gpu::uniform(scene_.frame_constants), gpu::reads(0, chunks_), gpu::writes(1, counts_),
-                   gpu::writes(2, clip_list_), gpu::writes(4, clip_count_)};
-  pass.by_address = {&scene_.positions, &scene_.indices, &clip_matrices_, &scene_.instances, &records_};
-  pass.push = gpu::PushConstants(push);
+  pass.bindings = {gpu::uniform(scene_.frame_constants), gpu::reads(FRONTEND_SLOT_CHUNKS, chunks_),
+                   gpu::writes(FRONTEND_SLOT_COUNTS, counts_), gpu::writes(FRONTEND_SLOT_CLIP_LIST, clip_list_),
+                   gpu::writes(FRONTEND_SLOT_CLIP_COUNT, clip_count_)};
+  pass.push = gpu::PushConstants(setup_push(pass));
   pass.groups = {std::min(chunk_count_, kMaxGroups), groups_of(chunk_count_, kMaxGroups), 1};
   recorder.compute(pass);
 
   pass.shader = "frontend/clip.comp:COUNT";
-  pass.bindings = {gpu::uniform(scene_.frame_constants),
-                   gpu::reads(0, chunks_),
-                   gpu::writes(1, counts_),
-                   gpu::reads(2, clip_list_),
-                   gpu::reads(3, piece_bases_),
-                   gpu::reads(4, clip_count_)};
+  pass.bindings = clip_bindings();
   pass.groups = {groups_of(clipped_, 64), 1, 1};
   recorder.compute(pass);
 
   gpu::ComputePass sum;
   sum.name = "setup";
   sum.shader = "frontend/chunk_sum.comp:ALL";
-  sum.bindings = {gpu::reads(0, counts_), gpu::writes(1, sums_)};
-  const SumPush sum_push{chunk_count_, chunk_count_ * kChunk, COUNT_SMALL};
+  sum.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, counts_), gpu::writes(FRONTEND_SLOT_SUMS, sums_)};
+  const gpu_types::ChunkSumPush sum_push{chunk_count_, chunk_count_ * kChunk, COUNT_SMALL};
   sum.push = gpu::PushConstants(sum_push);
   sum.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(sum);
@@ -224,30 +199,22 @@ void Frontend::record_setup(gpu::PassRecorder& recorder) {
   gpu::ComputePass emit;
   emit.name = "setup";
   emit.shader = "frontend/emit.comp:ALL";
-  emit.bindings = {gpu::reads(0, counts_), gpu::reads(1, sums_), gpu::writes(2, hull_indices_),
-                   gpu::writes(3, piece_bases_)};
-  const EmitPush emit_push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_), 0, 0};
+  emit.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, counts_), gpu::reads(FRONTEND_SLOT_SUMS, sums_),
+                   gpu::writes(FRONTEND_SLOT_HULL_INDICES, hull_indices_),
+                   gpu::writes(FRONTEND_SLOT_PIECE_BASES, piece_bases_)};
+  const gpu_types::EmitPush emit_push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_),
+                                      0, 0};
   emit.push = gpu::PushConstants(emit_push);
   emit.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(emit);
 
   if (clipped_ > 0) {
-    const FrontendPush push{scene_.positions.address(), scene_.indices.address(),
-                            clip_matrices_.address(),   scene_.instances.address(),
-                            records_.address(),         chunk_count_,
-                            chunk_count_ * kChunk,      static_cast<std::uint32_t>(pieces_)};
     gpu::ComputePass clip;
     clip.name = "setup";
     clip.shader = "frontend/clip.comp:EMIT";
     clip.constants = constants();
-    clip.bindings = {gpu::uniform(scene_.frame_constants),
-                     gpu::reads(0, chunks_),
-                     gpu::writes(1, counts_),
-                     gpu::reads(2, clip_list_),
-                     gpu::reads(3, piece_bases_),
-                     gpu::reads(4, clip_count_)};
-    clip.by_address = {&scene_.positions, &scene_.indices, &clip_matrices_, &scene_.instances, &records_};
-    clip.push = gpu::PushConstants(push);
+    clip.bindings = clip_bindings();
+    clip.push = gpu::PushConstants(setup_push(clip));
     clip.groups = {groups_of(clipped_, 64), 1, 1};
     recorder.compute(clip);
   }
@@ -261,18 +228,20 @@ void Frontend::record_small_list(gpu::PassRecorder& recorder, const std::string&
   gpu::ComputePass pass;
   pass.name = name;
   pass.shader = "frontend/chunk_sum.comp:REST";
-  pass.bindings = {gpu::reads(0, counts_), gpu::writes(1, rest_sums_)};
-  const SumPush sum_push{chunk_count_, triangle_slots(), small_bits};
+  pass.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, counts_), gpu::writes(FRONTEND_SLOT_SUMS, rest_sums_)};
+  const gpu_types::ChunkSumPush sum_push{chunk_count_, triangle_slots(), small_bits};
   pass.push = gpu::PushConstants(sum_push);
   pass.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(pass);
   record_scan(recorder, name, rest_sums_, chunk_count_);
-  const EmitPush push{chunk_count_, triangle_slots(), static_cast<std::uint32_t>(hull_triangles_),
-                      static_cast<std::uint32_t>(small_count(with_tested)), small_bits};
+  const gpu_types::EmitPush push{chunk_count_, triangle_slots(), static_cast<std::uint32_t>(hull_triangles_),
+                                 static_cast<std::uint32_t>(small_count(with_tested)), small_bits};
   pass.push = gpu::PushConstants(push);
   pass.shader = "frontend/emit.comp:REST";
-  pass.bindings = {gpu::reads(0, counts_), gpu::reads(1, rest_sums_), gpu::writes(2, rest_indices_),
-                   gpu::reads(3, piece_bases_), gpu::writes(4, small_records_)};
+  pass.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, counts_), gpu::reads(FRONTEND_SLOT_SUMS, rest_sums_),
+                   gpu::writes(FRONTEND_SLOT_HULL_INDICES, rest_indices_),
+                   gpu::reads(FRONTEND_SLOT_PIECE_BASES, piece_bases_),
+                   gpu::writes(FRONTEND_SLOT_SMALL_RECORDS, small_records_)};
   pass.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(pass);
   record_arguments(recorder, name, visibility_batches_.size(), visibility_ranges_, rest_sums_, rest_commands_);
@@ -288,24 +257,26 @@ void Frontend::record_visible(gpu::PassRecorder& recorder, gpu::Image& visibilit
   mark.pipeline.fragment = "frontend/mark_visible.frag";
   mark.pipeline.constants = constants();
   mark.size = {size.width, size.height};
-  mark.bindings = {gpu::samples(0, visibility), gpu::writes(0, visible_)};
+  mark.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::writes(FRONTEND_SLOT_VISIBLE, visible_)};
   recorder.raster(std::move(mark));
 
-  const EmitPush push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_), 0, 0};
-  const SumPush sum_push{push.chunk_count, push.triangle_slots, 0};
+  const gpu_types::EmitPush push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_), 0,
+                                 0};
+  const gpu_types::ChunkSumPush sum_push{push.chunk_count, push.triangle_slots, 0};
   gpu::ComputePass pass;
   pass.name = "compaction";
   pass.push = gpu::PushConstants(sum_push);
   pass.shader = "frontend/chunk_sum.comp:VISIBLE";
-  pass.bindings = {gpu::reads(0, counts_), gpu::writes(1, visible_sums_), gpu::reads(3, piece_bases_),
-                   gpu::reads(4, visible_)};
+  pass.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, counts_), gpu::writes(FRONTEND_SLOT_SUMS, visible_sums_),
+                   gpu::reads(FRONTEND_SLOT_PIECE_BASES, piece_bases_), gpu::reads(FRONTEND_SLOT_VISIBLE, visible_)};
   pass.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(pass);
   record_scan(recorder, "compaction", visible_sums_, chunk_count_);
   pass.push = gpu::PushConstants(push);
   pass.shader = "frontend/emit.comp:VISIBLE";
-  pass.bindings = {gpu::reads(0, counts_), gpu::reads(1, visible_sums_), gpu::writes(2, visible_indices_),
-                   gpu::reads(3, piece_bases_), gpu::reads(4, visible_)};
+  pass.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, counts_), gpu::reads(FRONTEND_SLOT_SUMS, visible_sums_),
+                   gpu::writes(FRONTEND_SLOT_HULL_INDICES, visible_indices_),
+                   gpu::reads(FRONTEND_SLOT_PIECE_BASES, piece_bases_), gpu::reads(FRONTEND_SLOT_VISIBLE, visible_)};
   pass.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(pass);
   record_arguments(recorder, "compaction", material_batches_.size(), material_ranges_, visible_sums_,
@@ -317,10 +288,31 @@ void Frontend::record_arguments(gpu::PassRecorder& recorder, const std::string& 
   gpu::ComputePass pass;
   pass.name = name;
   pass.shader = "frontend/draw_arguments.comp";
-  pass.bindings = {gpu::reads(0, ranges), gpu::reads(1, sums), gpu::writes(2, commands)};
-  pass.push = gpu::PushConstants(static_cast<std::uint32_t>(batches));
+  pass.bindings = {gpu::reads(FRONTEND_SLOT_BATCHES, ranges), gpu::reads(FRONTEND_SLOT_SUMS, sums),
+                   gpu::writes(FRONTEND_SLOT_COMMANDS, commands)};
+  pass.push = gpu::PushConstants(gpu_types::DrawArgumentsPush{static_cast<std::uint32_t>(batches)});
   pass.groups = {groups_of(batches, 64), 1, 1};
   recorder.compute(pass);
+}
+
+gpu_types::SetupPush Frontend::setup_push(gpu::AddressUses& pass) {
+  return {.positions = pass.reads(scene_.positions),
+          .indices = pass.reads(scene_.indices),
+          .clip_matrices = pass.reads(clip_matrices_),
+          .instances = pass.reads(scene_.instances),
+          .records = pass.writes(records_),
+          .chunk_count = chunk_count_,
+          .triangle_slots = triangle_slots(),
+          .piece_capacity = static_cast<std::uint32_t>(pieces_)};
+}
+
+std::vector<gpu::Binding> Frontend::clip_bindings() {
+  return {gpu::uniform(scene_.frame_constants),
+          gpu::reads(FRONTEND_SLOT_CHUNKS, chunks_),
+          gpu::writes(FRONTEND_SLOT_COUNTS, counts_),
+          gpu::reads(FRONTEND_SLOT_CLIP_LIST, clip_list_),
+          gpu::reads(FRONTEND_SLOT_PIECE_BASES, piece_bases_),
+          gpu::reads(FRONTEND_SLOT_CLIP_COUNT, clip_count_)};
 }
 
 gpu_types::HullPush Frontend::hull_push(gpu::AddressUses& pass, std::uint32_t material) {
@@ -351,7 +343,6 @@ std::uint64_t Frontend::count_fragments(bool visible, std::uint32_t width, std::
   geometry.fragment_opaque = geometry.fragment_alpha = "frontend/count_fragments.frag";
   geometry.pass.name = "fragments";
   geometry.pass.pipeline.additive = true;
-  geometry.pass.pipeline.targets.colours = {kCount};
   geometry.pass.pipeline.targets.clear = true;
   geometry.pass.colours = {{counts}};
   geometry.pass.clear_colours = {{}};
@@ -379,8 +370,8 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   alpha.fragment = geometry.fragment_alpha;
   pass.pipeline = opaque;
   pass.bindings.push_back(gpu::uniform(scene_.frame_constants));
-  pass.bindings.push_back(gpu::reads(9, scene_.uv_mappings));
-  pass.bindings.push_back(gpu::reads(10, scene_.materials));
+  pass.bindings.push_back(gpu::reads(FRAME_SLOT_UV_MAPPINGS, scene_.uv_mappings));
+  pass.bindings.push_back(gpu::reads(FRAME_SLOT_MATERIALS, scene_.materials));
   const bool visible_only = geometry.by_material && visible_known_;
   pass.triangles = visible_only ? gpu::Triangles::visible : gpu::Triangles::all;
   gpu::Buffer& commands = geometry.without_small  ? rest_commands_

@@ -11,8 +11,6 @@
 
 namespace subpixel::replay {
 
-enum class AlphaDecision : std::uint32_t { to_coverage = 0, test = 1, per_sample = 2 };
-
 class Frontend {
  public:
   Frontend(gpu::Device& device, GpuScene& scene);
@@ -83,6 +81,8 @@ class Frontend {
  private:
   void build_chunks();
   void build_clip_matrices();
+  gpu_types::SetupPush setup_push(gpu::AddressUses& pass);
+  std::vector<gpu::Binding> clip_bindings();
   void record_culling(gpu::PassRecorder& recorder);
   void record_arguments(gpu::PassRecorder& recorder, const std::string& name, std::size_t batches, gpu::Buffer& ranges,
                         gpu::Buffer& sums, gpu::Buffer& commands);

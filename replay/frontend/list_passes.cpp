@@ -4,6 +4,8 @@
 #include <array>
 #include <thread>
 
+#include "shaders/frontend/frontend_interface.h"
+
 namespace subpixel::replay {
 
 std::uint32_t groups_of(std::uint64_t items) {
@@ -22,7 +24,7 @@ bool runs_long_loops(gpu::Device& device) {
   gpu::ComputePass pass;
   pass.name = "turns";
   pass.shader = "frontend/count_turns.comp";
-  pass.bindings = {gpu::writes(0, turns)};
+  pass.bindings = {gpu::writes(FRONTEND_SLOT_TURNS, turns)};
   recorder.compute(std::move(pass));
   recorder.run();
   return turns.as<std::uint32_t>()[1] == kWanted;
@@ -32,20 +34,18 @@ void record_scan(gpu::PassRecorder& recorder, const std::string& name, gpu::Buff
   gpu::ComputePass scan;
   scan.name = name;
   scan.shader = "frontend/scan.comp";
-  scan.bindings = {gpu::writes(0, sums)};
-  scan.push = gpu::PushConstants(count);
+  scan.bindings = {gpu::writes(FRONTEND_SLOT_SUMS, sums)};
+  scan.push = gpu::PushConstants(gpu_types::ScanPush{count});
   recorder.compute(std::move(scan));
 }
 
 void record_bases(gpu::PassRecorder& recorder, const std::string& name, gpu::Buffer& numbers, gpu::Buffer& sums,
                   std::uint32_t count) {
   const std::uint32_t groups = groups_of(count);
-  struct {
-    std::uint32_t groups, count;
-  } const range{groups, count};
+  const gpu_types::PixelBasesPush range{groups, count};
   gpu::ComputePass pass;
   pass.name = name;
-  pass.bindings = {gpu::writes(0, numbers), gpu::writes(1, sums)};
+  pass.bindings = {gpu::writes(FRONTEND_SLOT_ITEMS, numbers), gpu::writes(FRONTEND_SLOT_SUMS, sums)};
   pass.push = gpu::PushConstants(range);
   pass.groups = {groups_of(groups), 1, 1};
   pass.shader = "frontend/pixel_bases.comp:SUM";

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "replay/frontend/list_passes.hpp"
-#include "shaders/frontend/frontend_types.h"
 
 namespace subpixel::replay {
 namespace {
@@ -44,27 +43,23 @@ SmallLists record_small_lists(gpu::PassRecorder& recorder, const FrameSetup& set
   recorder.fill(kPass, *lists.ends, 0);
 
   const std::uint32_t groups = groups_of(frontend.small_count()), runs = device_runs();
-  struct {
-    std::uint64_t records;
-    std::uint32_t count, groups, runs, width, height;
-  } const push{frontend.records().address(),
-               static_cast<std::uint32_t>(frontend.small_count()),
-               groups,
-               runs,
-               setup.width,
-               setup.height};
   gpu::ComputePass list;
   list.name = kPass;
   list.shader = "frontend/list_small.comp:COUNT";
-  list.bindings = {gpu::reads(0, frontend.small_records()), gpu::writes(1, *lists.triangles),
-                   gpu::writes(2, *lists.ends)};
-  list.by_address = {&frontend.records()};
-  list.push = gpu::PushConstants(push);
+  list.bindings = {gpu::reads(FRONTEND_SLOT_SMALL_RECORDS, frontend.small_records()),
+                   gpu::writes(FRONTEND_SLOT_SMALL_TRIANGLES, *lists.triangles),
+                   gpu::writes(FRONTEND_SLOT_BLOCK_ENDS, *lists.ends)};
+  list.push = gpu::PushConstants(gpu_types::ListSmallPush{.records = list.reads(frontend.records()),
+                                                          .count = static_cast<std::uint32_t>(frontend.small_count()),
+                                                          .groups = groups,
+                                                          .runs = runs,
+                                                          .width = setup.width,
+                                                          .height = setup.height});
   list.groups = {(groups + runs - 1) / runs * runs, 1, 1};
   recorder.compute(list);
   record_bases(recorder, kPass, *lists.ends, sums, blocks);
   list.shader = "frontend/list_small.comp:STORE";
-  list.bindings.push_back(gpu::writes(3, *lists.listed));
+  list.bindings.push_back(gpu::writes(FRONTEND_SLOT_BLOCK_LISTS, *lists.listed));
   recorder.compute(std::move(list));
   return lists;
 }
@@ -97,19 +92,20 @@ bool small_in_lists(const FrameSetup& setup, SmallTriangles small) {
 // Small triangles of sample group `g` into the image.
 void record_small_triangles(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& image,
                             const SmallLists& lists, std::uint32_t group, std::uint32_t g) {
-  const std::array<std::uint32_t, 3> push{static_cast<std::uint32_t>(setup.frontend.small_count()), setup.width,
-                                          setup.height};
+  const gpu_types::VisibilitySmallPush push{static_cast<std::uint32_t>(setup.frontend.small_count()), setup.width,
+                                            setup.height};
   gpu::RasterPass pass;
   pass.name = kPass;
   pass.pipeline.vertex = "shade/fullscreen.vert";
   pass.pipeline.fragment = "frontend/visibility_small.frag:" + std::to_string(group);
   pass.pipeline.constants = setup.frontend.constants();
-  pass.pipeline.constants.emplace_back(4, g);
-  pass.bindings = {gpu::reads(0, *lists.triangles), gpu::reads(1, *lists.ends), gpu::reads(2, *lists.listed)};
+  pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, g);
+  pass.bindings = {gpu::reads(FRONTEND_SLOT_SMALL_TRIANGLES, *lists.triangles),
+                   gpu::reads(FRONTEND_SLOT_BLOCK_ENDS, *lists.ends),
+                   gpu::reads(FRONTEND_SLOT_BLOCK_LISTS, *lists.listed)};
   pass.push = gpu::PushConstants(push);
   const Layers layers = layers_of(group, g);
   for (std::uint32_t i = 0; i < layers.count; ++i) pass.colours.emplace_back(image, layers.first + i);
-  pass.pipeline.targets.colours.assign(layers.count, kTexel);
   recorder.raster(std::move(pass));
 }
 
@@ -139,9 +135,9 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& set
     geometry.fragment_opaque = "frontend/visibility.frag:" + variant;
     geometry.fragment_alpha = "frontend/visibility.frag:" + variant + "A";
     pass.pipeline.constants = common_constants(setup);
-    pass.pipeline.constants.emplace_back(4, g);
+    pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, g);
     pass.pipeline.targets.ordered_read = true;
-    pass.pipeline.constants.emplace_back(7, lists ? 1 : 0);
+    pass.pipeline.constants.emplace_back(FRONTEND_CONSTANT_AFTER_SMALL, lists ? 1 : 0);
     pass.pipeline.targets.clear = !lists;
     if (quads == 0) {
       pass.colours = {{image, 0}};
@@ -153,7 +149,6 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& set
                                                    : std::array<std::uint32_t, 4>{kNone, kNone, kNone, kNone});
       }
     }
-    pass.pipeline.targets.colours.assign(pass.colours.size(), kTexel);
     setup.frontend.record_geometry(recorder, std::move(geometry));
   }
   setup.frontend.record_visible(recorder, image);

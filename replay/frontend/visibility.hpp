@@ -1,7 +1,7 @@
 // The visibility buffer: depth and triangle of every sample, found in one ordered geometry pass for each 16 samples.
 #pragma once
 
-#include "replay/techniques/frame_setup.hpp"
+#include "replay/frame/frame_setup.hpp"
 
 namespace subpixel::replay {
 

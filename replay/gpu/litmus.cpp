@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "replay/gpu/pass_recorder.hpp"
+#include "shaders/frontend/frontend_interface.h"
 
 namespace subpixel::gpu {
 namespace {
@@ -29,19 +30,19 @@ LitmusResult run_order_litmus(Device& device, OrderedMemory memory) {
   pass.name = "order litmus";
   pass.pipeline.vertex = "frontend/litmus.vert";
   pass.pipeline.fragment = attachment ? "frontend/litmus.frag:ATTACHMENT" : "frontend/litmus.frag:BUFFER";
-  pass.pipeline.constants = {{0, kSide}};
+  pass.pipeline.constants = {{FRONTEND_CONSTANT_LITMUS_WIDTH, kSide}};
   Image* image = nullptr;
   Buffer* buffer = nullptr;
   if (attachment) {
     image = &recorder.image({"order litmus", kWords, kSide, kSide, 1, 1, VK_SAMPLE_COUNT_1_BIT,
                              VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT, false});
-    pass.pipeline.targets = {{kWords}, VK_FORMAT_UNDEFINED, VK_SAMPLE_COUNT_1_BIT, true, true};
+    pass.pipeline.targets.ordered_read = pass.pipeline.targets.clear = true;
     pass.colours = {{*image}};
     pass.clear_colours = {{}};
   } else {
     buffer = &recorder.buffer("order litmus", std::uint64_t{kSide} * kSide * 16);
     pass.size = {kSide, kSide};
-    pass.bindings = {writes(0, *buffer)};
+    pass.bindings = {writes(FRONTEND_SLOT_LITMUS_STATES, *buffer)};
   }
   pass.draws = [](DrawEncoder& encoder) { encoder.draw(3 * kTriangles); };
   recorder.raster(std::move(pass));

@@ -1,9 +1,9 @@
 // Pipelines by description, made once and kept: the first run of a pipeline pays its compilation.
 //
-// All pipelines share one layout:
-//   set 0, push descriptors:  0 uniform buffer | 1..11 storage buffers | 12..19 combined image samplers |
-//                             20..23 storage images | 24..31 input attachments
-//   set 1: the textures of one material: 0 base colour, 1 metallic-roughness, 2 normal, 3 emissive
+// All pipelines share one layout, whose numbers are those of shaders/include/interface.h:
+//   set 0, push descriptors: uniform buffer | storage buffers | combined image samplers | storage images |
+//                            input attachments
+//   set 1: the textures of one material
 //   push constants: 128 bytes, all stages
 #pragma once
 
@@ -15,12 +15,15 @@
 
 #include "replay/gpu/device.hpp"
 #include "replay/gpu/shader_interface.hpp"
+#include "shaders/include/interface.h"
 
 namespace subpixel::gpu {
 
-inline constexpr std::uint32_t kUniformBinding = 0, kStorageBinding = 1, kSampledBinding = 12,
-                               kStorageImageBinding = 20, kInputAttachmentBinding = 24, kBindings = 32,
-                               kPushConstantBytes = 128, kMaterialTextures = 4;
+// The first binding of each kind.
+inline constexpr std::uint32_t kUniformBinding = UNIFORM_BINDING, kStorageBinding = STORAGE(0),
+                               kSampledBinding = SAMPLED(0), kStorageImageBinding = STORAGE_IMAGE(0),
+                               kInputAttachmentBinding = INPUT_ATTACHMENT(0), kBindings = 32;
+inline constexpr std::uint32_t kPushConstantBytes = 128, kMaterialTextures = MATERIAL_SLOT_EMISSIVE + 1;
 
 // Specialization constants: id -> 32-bit value.
 using Constants = std::vector<std::pair<std::uint32_t, std::uint32_t>>;

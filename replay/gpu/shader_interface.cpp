@@ -7,6 +7,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "shaders/include/interface.h"
+
 namespace subpixel::gpu {
 namespace {
 
@@ -246,7 +248,7 @@ std::string mismatch(std::span<const ShaderStage> stages, const SuppliedInterfac
       const auto& constants = stage.interface->constants;
       return std::ranges::find(constants, id, &ShaderInterface::Constant::id) != constants.end();
     });
-    if (id >= kSharedConstants && !is_declared && !has(supplied.known_constants, id)) {
+    if (id >= PASS_CONSTANTS && !is_declared && !has(supplied.known_constants, id)) {
       return fmt::format("the pass supplies the constant of id {}, which {} does not declare", id, names);
     }
   }

@@ -53,9 +53,7 @@ struct SuppliedInterface {
   bool material = false;                        // set 1
 };
 
-// Ids below are the frame's and may be supplied to any shader.
-inline constexpr std::uint32_t kSharedConstants = 8;
-
+// Ids below PASS_CONSTANTS are the frame's and may be supplied to any shader.
 // One line for the first thing that a stage declares and the pass lacks, for push constants of another size, and for a
 // constant that neither a stage nor another shader of its folder declares; empty when all is there.
 std::string mismatch(std::span<const ShaderStage> stages, const SuppliedInterface& supplied);

@@ -13,11 +13,6 @@
 namespace subpixel::replay {
 namespace {
 
-struct ReferencePush {
-  VkDeviceAddress corners, triangles, indices, normals, uvs, tangents, instances, texels, sums, compensation,
-      display_sums, second_uvs, colours;
-};
-
 constexpr std::uint32_t kGroupSide = 8;  // of the compute passes' workgroups
 
 std::uint32_t groups(std::uint32_t pixels) {
@@ -45,32 +40,47 @@ struct Work {
   TextureTable textures;
 };
 
-// All that the push constants hand on, whichever pass reads it.
-std::vector<gpu::Buffer*> addressed(GpuScene& scene, Work& work) {
-  return {&scene.second_uvs, &scene.colours,     &work.corners,     &work.triangles,  &scene.indices,
-          &scene.normals,    &scene.uvs,         &scene.tangents,   &scene.instances, &work.textures.texels,
-          &work.sums,        &work.compensation, &work.display_sums};
+// Of every pass.
+gpu_types::ReferencePush push_of(gpu::AddressUses& pass, GpuScene& scene, Work& work) {
+  return {.corners = pass.reads(work.corners),
+          .triangles = pass.reads(work.triangles),
+          .indices = pass.reads(scene.indices),
+          .normals = pass.reads(scene.normals),
+          .uvs = pass.reads(scene.uvs),
+          .tangents = pass.reads(scene.tangents),
+          .instances = pass.reads(scene.instances),
+          .texels = pass.reads(work.textures.texels),
+          .sums = pass.writes(work.sums),
+          .compensation = pass.writes(work.compensation),
+          .display_sums = pass.writes(work.display_sums),
+          .second_uvs = pass.reads(scene.second_uvs),
+          .colours = pass.reads(scene.colours)};
 }
 
-gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, gpu::Image& depth,
-                                const ReferencePush& push) {
+std::vector<gpu::Binding> bindings_of(GpuScene& scene, Work& work) {
+  return {gpu::uniform(scene.frame_constants),
+          gpu::reads(REFERENCE_SLOT_TURN, work.turn),
+          gpu::reads(REFERENCE_SLOT_LEVELS, work.textures.levels),
+          gpu::reads(REFERENCE_SLOT_MATERIAL_TEXTURES, work.textures.materials),
+          gpu::reads(FRAME_SLOT_MATERIALS, scene.materials),
+          gpu::reads(FRAME_SLOT_UV_MAPPINGS, scene.uv_mappings)};
+}
+
+gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, gpu::Image& depth) {
   gpu::RasterPass pass;
   pass.name = "reference visibility";
   pass.pipeline.vertex = "reference/visibility.vert";
   pass.pipeline.fragment = "reference/visibility.frag:SOLID";
-  pass.pipeline.constants = {{1, scene.features().bits}};
-  pass.pipeline.targets = {{VK_FORMAT_R32_UINT}, VK_FORMAT_D32_SFLOAT, VK_SAMPLE_COUNT_1_BIT, false, true};
+  pass.pipeline.constants = {{CONSTANT_FEATURES, scene.features().bits}};
+  pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_GREATER;  // of equal depths the first stays
   pass.pipeline.depth_write = true;
   pass.colours = {seen};
   pass.depth = &depth;
   pass.clear_colours = {{0, 0, 0, 0}};
   pass.clear_depth = 0;
-  pass.bindings = {gpu::uniform(scene.frame_constants),    gpu::reads(0, work.turn),
-                   gpu::reads(1, scene.materials),         gpu::reads(2, work.textures.levels),
-                   gpu::reads(3, work.textures.materials), gpu::reads(4, scene.uv_mappings)};
-  pass.by_address = addressed(scene, work);
-  pass.push = gpu::PushConstants(push);
+  pass.bindings = bindings_of(scene, work);
+  pass.push = gpu::PushConstants(push_of(pass, scene, work));
   gpu::RasterDescription solid = pass.pipeline, tested = pass.pipeline;
   tested.fragment = "reference/visibility.frag:TESTED";
   pass.draws = [&work, solid, tested](gpu::DrawEncoder& encoder) {
@@ -84,17 +94,16 @@ gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, g
 }
 
 gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scene, Work& work,
-                            const ReferenceOptions& options, const ReferencePush& push) {
+                            const ReferenceOptions& options) {
   gpu::ComputePass pass;
   pass.name = name;
   pass.shader = shader;
-  pass.constants = {{1, scene.features().bits}, {2, options.shading_model}, {3, options.tone_map_samples ? 1u : 0u}};
-  pass.bindings = {gpu::uniform(scene.frame_constants),    gpu::reads(0, work.turn),
-                   gpu::reads(1, scene.materials),         gpu::reads(2, work.textures.levels),
-                   gpu::reads(3, work.textures.materials), gpu::reads(4, scene.uv_mappings),
-                   gpu::reads(8, scene.spot_cones)};
-  pass.by_address = addressed(scene, work);
-  pass.push = gpu::PushConstants(push);
+  pass.constants = {{CONSTANT_FEATURES, scene.features().bits},
+                    {CONSTANT_SHADING_MODEL, options.shading_model},
+                    {REFERENCE_CONSTANT_TONE_MAP_SAMPLES, options.tone_map_samples ? 1u : 0u}};
+  pass.bindings = bindings_of(scene, work);
+  pass.bindings.push_back(gpu::reads(FRAME_SLOT_SPOT_CONES, scene.spot_cones));
+  pass.push = gpu::PushConstants(push_of(pass, scene, work));
   const auto& size = scene.constants().viewport;
   pass.groups = {groups(static_cast<std::uint32_t>(size.x)), groups(static_cast<std::uint32_t>(size.y)), 1};
   return pass;
@@ -122,11 +131,6 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   work.sums = gpu::Buffer(device, "reference sums", pixels * 16);
   work.compensation = gpu::Buffer(device, "reference compensation", pixels * 16);
   work.display_sums = gpu::Buffer(device, "reference display sums", options.tone_map_samples ? pixels * 16 : 0);
-  const ReferencePush push{
-      work.corners.address(), work.triangles.address(),    scene.indices.address(),     scene.normals.address(),
-      scene.uvs.address(),    scene.tangents.address(),    scene.instances.address(),   work.textures.texels.address(),
-      work.sums.address(),    work.compensation.address(), work.display_sums.address(), scene.second_uvs.address(),
-      scene.colours.address()};
 
   gpu::PassRecorder turns(device), finish(device);
   gpu::ImageDescription target;
@@ -141,13 +145,12 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   target.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   gpu::Image& depth = turns.image(target);
 
-  turns.raster(visibility_pass(scene, work, seen, depth, push));
-  gpu::ComputePass accumulate =
-      pixel_pass("reference shading", "reference/accumulate.comp", scene, work, options, push);
-  accumulate.bindings.push_back(gpu::samples(0, seen));
-  accumulate.bindings.push_back(gpu::samples(7, scene.shadow_map, &scene.shadow_sampler));
+  turns.raster(visibility_pass(scene, work, seen, depth));
+  gpu::ComputePass accumulate = pixel_pass("reference shading", "reference/accumulate.comp", scene, work, options);
+  accumulate.bindings.push_back(gpu::samples(REFERENCE_SLOT_SEEN, seen));
+  accumulate.bindings.push_back(gpu::samples(FRAME_SLOT_SHADOW_MAP, scene.shadow_map, &scene.shadow_sampler));
   turns.compute(std::move(accumulate));
-  finish.compute(pixel_pass("reference mean", "reference/finish.comp", scene, work, options, push));
+  finish.compute(pixel_pass("reference mean", "reference/finish.comp", scene, work, options));
 
   const auto constants = turn_constants(options.samples / 4, width, height);
   for (std::uint32_t i = 0; i < constants.size(); ++i) {

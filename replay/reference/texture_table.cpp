@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 #include "replay/scene/materials.hpp"
 #include "replay/scene/textures.hpp"
-#include "shaders/reference/reference_types.h"
+#include "shaders/reference/reference_interface.h"
 
 namespace subpixel::replay {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "replay/scene/gpu_scene.hpp"
-#include "shaders/reference/reference_types.h"
+#include "shaders/reference/reference_interface.h"
 
 namespace subpixel::replay {
 

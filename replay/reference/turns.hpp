@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "shaders/reference/reference_types.h"
+#include "shaders/reference/reference_interface.h"
 
 namespace subpixel::replay {
 

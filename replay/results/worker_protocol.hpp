@@ -2,8 +2,8 @@
 //   in:  `subpixel worker --job FILE`; FILE is the JSON form of ReplayJob.
 //   out: {"type":"progress","stage":"replay","done":3,"total":12,"detail":"frame 1 msaa"}
 //        {"type":"head","head":{ResultsHead}}                      once, before the first result, and again at the end
-//        {"type":"result","result":{FrameResult}}                  as each is measured; images are file names in
-//        `out_dir`
+//        {"type":"result","ordinal":1,"result":{FrameResult}}      as each is measured; images are file names in
+//        `out_dir`, `ordinal` is the place of its technique in the job's list
 //        {"type":"error","message":"what: why: where","exit":3}    then exits with that code;
 //        70 (base/failure.hpp) is a mistake of ours, and the message asks for a report
 //        {"type":"done"}

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <array>
 
+#include "replay/gpu/pass_recorder.hpp"
+#include "shaders/scene/scene_interface.h"
+
 namespace subpixel::replay {
 namespace {
-
-struct ShadowPush {
-  glm::mat4 world_to_clip;
-  VkDeviceAddress positions, uvs, instances, colours;
-  std::uint32_t material;
-};
 
 // Indirect commands [first, first + count) of one cascade.
 struct CasterBatch {
@@ -76,7 +73,6 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<B
   gpu::RasterPass pass;
   pass.name = "shadow map";
   pass.pipeline.vertex = "scene/shadow.vert:SOLID";
-  pass.pipeline.targets.depth = VK_FORMAT_D32_SFLOAT;
   pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_LESS;
   pass.pipeline.depth_write = true;
@@ -85,19 +81,19 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<B
   const std::string variant = scene.features().has(FEATURE_VERTEX_COLOUR) ? "COLOURED" : "TESTED";
   tested.vertex = "scene/shadow.vert:" + variant;
   tested.fragment = "scene/shadow.frag:" + variant;
-  tested.constants = {{1, scene.features().bits}};
+  tested.constants = {{CONSTANT_FEATURES, scene.features().bits}};
   pass.depth = &scene.shadow_map;
   pass.clear_depth = 1;
-  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, scene.materials),
-                   gpu::reads(9, scene.uv_mappings)};
+  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(FRAME_SLOT_MATERIALS, scene.materials),
+                   gpu::reads(FRAME_SLOT_UV_MAPPINGS, scene.uv_mappings)};
   pass.indices_and_indirect = {&scene.indices, &commands};
-  pass.by_address = {&scene.positions, &scene.uvs, &scene.second_uvs, &scene.instances, &scene.colours};
-  ShadowPush push{glm::mat4(1),
-                  scene.positions.address(),
-                  scene.uvs.address(),
-                  scene.instances.address(),
-                  scene.colours.address(),
-                  0};
+  const std::uint64_t uvs = pass.reads(scene.uvs), second_uvs = pass.reads(scene.second_uvs);
+  gpu_types::ShadowPush push{.world_to_clip = glm::mat4(1),
+                             .positions = pass.reads(scene.positions),
+                             .uvs = uvs,
+                             .instances = pass.reads(scene.instances),
+                             .colours = pass.reads(scene.colours),
+                             .material = 0};
   pass.push = gpu::PushConstants(push);
   const auto side = static_cast<float>(scene.shadow_map.description().width / 2);
   pass.draws = [&](gpu::DrawEncoder& encoder) {
@@ -109,7 +105,7 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<B
         encoder.pipeline(batch.tested ? tested : solid);
         if (batch.tested) encoder.material(scene.material_set(batch.material));
         push.material = batch.material;
-        push.uvs = scene.second_uv_of_base(batch.material) ? scene.second_uvs.address() : scene.uvs.address();
+        push.uvs = scene.second_uv_of_base(batch.material) ? second_uvs : uvs;
         encoder.push(gpu::PushConstants(push));
         encoder.draw_indexed_indirect(commands, batch.first * sizeof(VkDrawIndexedIndirectCommand), batch.count);
       }

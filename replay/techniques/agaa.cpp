@@ -11,8 +11,7 @@
 
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/frontend/frontend_types.h"
-#include "shaders/techniques/agaa/agaa_types.h"
+#include "shaders/techniques/agaa/agaa_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -21,31 +20,45 @@ constexpr VkFormat kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr VkImageUsageFlags kTarget =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
 
-std::uint32_t aggregates(const FrameSetup& setup) {
-  return setup.parameters.at("aggregates").get<std::uint32_t>();
+enum class Ndf { toksvig, sggx };
+enum class Roughness { mean, in_normal };
+enum class Storage { fixed_point, floats };
+
+struct AgaaParameters : CommonParameters {
+  std::uint32_t aggregates = 2;
+  double length = 0.1;  // world units
+  double separation = 0.01;
+  Ndf ndf = Ndf::toksvig;
+  Roughness roughness = Roughness::mean;
+  Storage storage = Storage::fixed_point;
+  std::uint32_t shadow_taps = 4;
+};
+using Setup = SetupFor<AgaaParameters>;
+
+bool sggx(const Setup& setup) {
+  return setup.parameters.ndf == Ndf::sggx;
 }
-bool sggx(const FrameSetup& setup) {
-  return setup.choice("ndf") == "sggx";
+bool float_storage(const Setup& setup) {
+  return setup.parameters.storage == Storage::floats;
 }
-bool float_storage(const FrameSetup& setup) {
-  return setup.choice("storage") == "float";
-}
-bool roughness_in_normal(const FrameSetup& setup) {
-  return setup.choice("roughness") == "in_normal";
+bool roughness_in_normal(const Setup& setup) {
+  return setup.parameters.roughness == Roughness::in_normal;
 }
 
-// As in shaders/techniques/agaa/aggregate.glsl.
-std::uint32_t aggregate_words(const FrameSetup& setup) {
-  const std::uint32_t emission = setup.scene.features().has(FEATURE_EMISSIVE) ? 3 : 0;
-  if (float_storage(setup)) return 11 + emission + (sggx(setup) ? 6 : 0);
-  return 3 + (setup.scene.features().has(FEATURE_METAL) ? 1 : 0) + (setup.samples > 8 ? 1 : 0) + emission +
-         (sggx(setup) ? 3 : 0);
+std::uint32_t agaa_options(const Setup& setup) {
+  return (float_storage(setup) ? AGAA_FLOAT : 0u) | (sggx(setup) ? AGAA_SGGX : 0u) |
+         (roughness_in_normal(setup) ? AGAA_ROUGHNESS_IN_NORMAL : 0u);
 }
 
-MemoryLayout layout(const FrameSetup& setup) {
+std::uint32_t aggregate_words(const Setup& setup) {
+  return AGAA_WORDS(setup.samples, setup.scene.features().bits, agaa_options(setup));
+}
+
+MemoryLayout layout(const Setup& setup) {
   const SceneFeatures features = setup.scene.features();
-  const double n = setup.samples, c = aggregates(setup);
-  const double membership = aggregates(setup) > 2 ? 2 : aggregates(setup) - 1.0;  // bits that name an aggregate
+  const double n = setup.samples, c = setup.parameters.aggregates;
+  const double membership =
+      setup.parameters.aggregates > 2 ? 2 : setup.parameters.aggregates - 1.0;  // bits that name an aggregate
   const double mask = std::max(n, 8.0), moments = sggx(setup) ? 96 : 0;
   MemoryLayout memory;
   // Section 4.3 and figure 7: 16 bytes an aggregate with a mask of 8 bits, 6 bytes a sample; section 3.3 for the rest.
@@ -57,7 +70,7 @@ MemoryLayout layout(const FrameSetup& setup) {
   if (features.has(FEATURE_EMISSIVE)) attributes += 66;
   if (float_storage(setup)) attributes = 32.0 * (aggregate_words(setup) - 1 - (sggx(setup) ? 6 : 0));
   memory.fitted = {{"depth", 32 * n},
-                   {"face normals", aggregates(setup) > 1 ? 16 * n : 0},
+                   {"face normals", setup.parameters.aggregates > 1 ? 16 * n : 0},
                    {"membership", membership * n},
                    {"aggregates", (attributes + n) * c}};
   if (sggx(setup)) {
@@ -67,12 +80,10 @@ MemoryLayout layout(const FrameSetup& setup) {
   return memory;
 }
 
-gpu::Constants agaa_constants(const FrameSetup& setup) {
-  std::uint32_t options = 0;
-  if (float_storage(setup)) options |= AGAA_FLOAT;
-  if (sggx(setup)) options |= AGAA_SGGX;
-  if (roughness_in_normal(setup)) options |= AGAA_ROUGHNESS_IN_NORMAL;
-  return {{7, aggregates(setup)}, {8, options}, {9, static_cast<std::uint32_t>(setup.number("shadow_taps"))}};
+gpu::Constants agaa_constants(const Setup& setup) {
+  return {{AGAA_CONSTANT_AGGREGATES, setup.parameters.aggregates},
+          {AGAA_CONSTANT_OPTIONS, agaa_options(setup)},
+          {AGAA_CONSTANT_SHADOW_TAPS, setup.parameters.shadow_taps}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
@@ -86,7 +97,7 @@ struct ViewSpace {
   float largest_polar = 0;     // radians from the axis towards the eye that a visible face normal can have
 };
 
-ViewSpace view_space(const FrameSetup& setup) {
+ViewSpace view_space(const Setup& setup) {
   const gpu_types::FrameConstants& frame = setup.scene.constants();
   const glm::dmat4 from_clip = glm::dmat4(frame.view) * glm::inverse(glm::dmat4(frame.view_projection));
   const auto at = [&](double x, double y, double depth) {
@@ -107,34 +118,28 @@ ViewSpace view_space(const FrameSetup& setup) {
 }
 
 // A rounded face normal for each triangle record, 4 bytes.
-gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const FrameSetup& setup, const ViewSpace& space) {
+gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const Setup& setup, const ViewSpace& space) {
   Frontend& frontend = setup.frontend;
   GpuScene& scene = setup.scene;
   gpu::Buffer& faces =
       recorder.buffer("face normals", frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 4);
   constexpr std::uint32_t kRow = 1024;  // workgroups of 64 in x
   const auto groups = static_cast<std::uint32_t>((frontend.hull_triangles() + 63) / 64);
-  struct {
-    std::uint64_t hulls, records, positions, indices, instances, faces;
-    std::uint32_t hull_triangles, row;
-    float largest_polar;
-  } const push{frontend.hull_indices().address(),
-               frontend.records().address(),
-               scene.positions.address(),
-               scene.indices.address(),
-               scene.instances.address(),
-               faces.address(),
-               static_cast<std::uint32_t>(frontend.hull_triangles()),
-               64 * kRow,
-               space.largest_polar};
   gpu::ComputePass pass;
   pass.name = "face normals";
   pass.shader = "techniques/agaa/faces.comp";
   pass.constants = frontend.constants();
-  pass.constants.emplace_back(8, space.looks_along_z ? AGAA_DISTANCE_ALONG_VIEW : 0u);
+  pass.constants.emplace_back(AGAA_CONSTANT_OPTIONS, space.looks_along_z ? AGAA_DISTANCE_ALONG_VIEW : 0u);
   pass.bindings = {gpu::uniform(scene.frame_constants)};
-  pass.by_address = {&frontend.hull_indices(), &frontend.records(), &scene.positions,
-                     &scene.indices,           &scene.instances,    &faces};
+  const gpu_types::AgaaFacesPush push{.hulls = pass.reads(frontend.hull_indices()),
+                                      .records = pass.reads(frontend.records()),
+                                      .positions = pass.reads(scene.positions),
+                                      .indices = pass.reads(scene.indices),
+                                      .instances = pass.reads(scene.instances),
+                                      .faces = pass.writes(faces),
+                                      .hull_triangles = static_cast<std::uint32_t>(frontend.hull_triangles()),
+                                      .row = 64 * kRow,
+                                      .largest_polar = space.largest_polar};
   pass.push = gpu::PushConstants(push);
   pass.groups = {std::min(groups, kRow), (groups + kRow - 1) / kRow, 1};
   recorder.compute(std::move(pass));
@@ -142,10 +147,10 @@ gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const FrameSetup& setup, 
 }
 
 // Bits 0 and 1 of every sample's aggregate, one word of samples for each.
-gpu::Image& record_definition(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
+gpu::Image& record_definition(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility,
                               const ViewSpace& space) {
   gpu::Buffer& faces = record_faces(recorder, setup, space);
-  const VkFormat format = aggregates(setup) > 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32_UINT;
+  const VkFormat format = setup.parameters.aggregates > 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32_UINT;
   gpu::Image& membership =
       recorder.image({"membership", format, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
   gpu::RasterPass pass;
@@ -154,16 +159,12 @@ gpu::Image& record_definition(gpu::PassRecorder& recorder, const FrameSetup& set
   pass.pipeline.fragment = "techniques/agaa/define.frag";
   pass.pipeline.constants = setup.frontend.constants();
   append(pass.pipeline.constants, agaa_constants(setup));
-  pass.pipeline.targets.colours = {format};
   pass.colours = {{membership}};
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::samples(0, visibility)};
-  pass.by_address = {&faces};
-  struct {
-    glm::mat4 view_from_clip;
-    std::uint64_t faces;
-    float inverse_length, separation;
-  } const push{space.from_clip, faces.address(), static_cast<float>(1 / setup.number("length")),
-               static_cast<float>(setup.number("separation"))};
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::samples(FRAME_SLOT_VISIBILITY, visibility)};
+  const gpu_types::AgaaDefinePush push{.view_from_clip = space.from_clip,
+                                       .faces = pass.reads(faces),
+                                       .inverse_length = static_cast<float>(1 / setup.parameters.length),
+                                       .separation = static_cast<float>(setup.parameters.separation)};
   pass.push = gpu::PushConstants(push);
   recorder.raster(std::move(pass));
   return membership;
@@ -171,29 +172,31 @@ gpu::Image& record_definition(gpu::PassRecorder& recorder, const FrameSetup& set
 
 struct State {
   gpu::Buffer* sums = nullptr;
-  gpu::Buffer* description = nullptr;  // AggregateState of sums_access.glsl
+  gpu::AddressTable* table = nullptr;  // AgaaState
 };
 
-State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+State make_state(gpu::PassRecorder& recorder, const Setup& setup) {
   State state;
   // Full-screen passes read for whole blocks of 4x4 pixels, beyond the image's borders too.
   constexpr std::uint64_t kBorderRows = 5;
-  state.sums = &recorder.buffer(
-      "aggregates", (setup.height + kBorderRows) * setup.width * aggregates(setup) * aggregate_words(setup) * 4);
-  state.description = &recorder.buffer("aggregate state", 16);
+  state.sums = &recorder.buffer("aggregates", (setup.height + kBorderRows) * setup.width * setup.parameters.aggregates *
+                                                  aggregate_words(setup) * 4);
+  state.table = &recorder.address_table("aggregate state", sizeof(gpu_types::AgaaState));
   float largest = 0;
   for (const auto& material :
        setup.scene.materials.as<gpu_types::MaterialRecord>().first(setup.scene.constants().counts.y))
     for (int c = 0; c < 3; ++c) largest = std::max(largest, material.emissive_cutoff[c]);
   // Unlit surfaces emit colours.
   if (setup.scene.features().has(FEATURE_UNLIT)) largest = std::max(largest, 1.0f);
-  state.description->as<std::uint64_t>()[0] = state.sums->address();
-  state.description->as<float>()[2] = largest > 0 && std::isfinite(largest) ? largest : 1.0f;
+  state.table->set(gpu_types::AgaaState{
+      .sums = state.table->of(*state.sums),
+      .largest_emission = largest > 0 && std::isfinite(largest) ? largest : 1.0f,
+  });
   return state;
 }
 
-void record_generation(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
-                       gpu::Image* membership, const State& state) {
+void record_generation(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility, gpu::Image* membership,
+                       const State& state) {
   recorder.fill("generate", *state.sums, 0);
   Frontend::GeometryPass geometry;
   geometry.by_material = true;
@@ -207,42 +210,40 @@ void record_generation(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu
   if (!membership)
     membership =
         &recorder.image({"no membership", VK_FORMAT_R32_UINT, 1, 1, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
-  pass.bindings = {gpu::samples(0, visibility), gpu::samples(1, *membership), gpu::reads(0, *state.description)};
-  pass.by_address = {state.sums};
+  pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(AGAA_SLOT_MEMBERSHIP, *membership),
+                   gpu::writes(AGAA_SLOT_STATE, *state.table)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
 
-void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
-                    const ViewSpace& space, const State& state) {
+void record_shading(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility, const ViewSpace& space,
+                    const State& state) {
   const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
                                      kTarget,  false};
   setup.outputs.radiance = &recorder.image(output);
   setup.outputs.display = &recorder.image(output);
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/agaa/shade.frag");
   append(pass.pipeline.constants, agaa_constants(setup));
-  pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
-  pass.bindings.insert(pass.bindings.end(), {gpu::samples(0, visibility), gpu::reads(0, *state.description)});
-  pass.by_address = {state.sums};
-  pass.push = gpu::PushConstants(space.from_clip);
+  pass.bindings.insert(pass.bindings.end(),
+                       {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::reads(AGAA_SLOT_STATE, *state.table)});
+  pass.push = gpu::PushConstants(gpu_types::AgaaShadePush{space.from_clip});
   recorder.raster(std::move(pass));
 }
 
 // Read off the aggregates in a host step, so that the maps cost the technique no time, and once, since every run leaves
 // the same aggregates.
-void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, const ViewSpace& space,
+void record_maps(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility, const ViewSpace& space,
                  const State& state) {
   gpu::RasterPass pass = lighting_pass(setup, "maps", "techniques/agaa/maps.frag");
   append(pass.pipeline.constants, agaa_constants(setup));
   for (const char* name : {"aggregates", "normal_variance", "footprint"}) {
     gpu::Image& map = map_image(recorder, setup, name);
     setup.outputs.maps.emplace_back(name, &map);
-    pass.pipeline.targets.colours.push_back(map.description().format);
     pass.colours.emplace_back(map);
   }
-  pass.bindings.insert(pass.bindings.end(), {gpu::samples(0, visibility), gpu::reads(0, *state.description)});
-  pass.by_address = {state.sums};
-  pass.push = gpu::PushConstants(space.from_clip);
+  pass.bindings.insert(pass.bindings.end(),
+                       {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::reads(AGAA_SLOT_STATE, *state.table)});
+  pass.push = gpu::PushConstants(gpu_types::AgaaShadePush{space.from_clip});
   recorder.host([&device = recorder.device(), pass = std::move(pass), done = false]() mutable {
     if (done) return;
     gpu::PassRecorder own(device);
@@ -252,52 +253,50 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Imag
   });
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+void record(gpu::PassRecorder& recorder, const Setup& setup) {
   setup.frontend.record_setup(recorder);
   gpu::Image& visibility = record_visibility(recorder, setup);
   const ViewSpace space = view_space(setup);
   gpu::Image* const membership =
-      aggregates(setup) > 1 ? &record_definition(recorder, setup, visibility, space) : nullptr;
+      setup.parameters.aggregates > 1 ? &record_definition(recorder, setup, visibility, space) : nullptr;
   const State state = make_state(recorder, setup);
   record_generation(recorder, setup, visibility, membership, state);
   record_shading(recorder, setup, visibility, space, state);
   record_maps(recorder, setup, visibility, space, state);
 }
 
-Parameters parameters() {
-  return {integer_parameter("aggregates", "aggregates a pixel may have", 1, AGAA_MAX_AGGREGATES, 2),
-          samples_parameter({4, 8, 16, 32}, 8),
-          number_parameter("length",
-                           "largest scale of local detail: a distance as large parts samples as opposite normals do",
-                           "world units", 1e-6, 1e6, 0.1),
-          number_parameter("separation",
-                           "an aggregate is only made farther than this from the others, in the paper's distance", "",
-                           0, 1e6, 0.01),
-          choice_parameter(
-              "ndf", "distribution of normals: isotropic, by the mean's length, or anisotropic, by second moments",
-              {"toksvig", "sggx"}),
-          choice_parameter("roughness", "kept as a mean, or by shortening the normals", {"mean", "in_normal"}),
-          choice_parameter("storage", "sums in the paper's fixed point, or in floats", {"fixed", "float"}),
-          integer_parameter("shadow_taps", "points of an aggregate's footprint at which its shadow is looked up", 1, 8,
-                            4, {1, 2, 4, 8}),
-          alpha_parameter(),
-          resolve_parameter(),
-          shading_parameter()};
-}
-
 }  // namespace
 
 extern const Technique kAgaa;
 
-const Technique kAgaa{
-    "agaa",
-    "Aggregate G-buffer anti-aliasing",
-    "Crassin, McGuire, Fatahalian, Lefohn: Aggregate G-Buffer Anti-Aliasing, extended version. IEEE TVCG 2016",
-    parameters(),
-    {{"aggregates", "Aggregates", "aggregates", AGAA_MAX_AGGREGATES},
-     {"normal_variance", "Variance of normals within aggregates", "thousandths", 1000},
-     {"footprint", "Deviation of positions within an aggregate", "thousandths of a world unit", 1000}},
-    layout,
-    record};
+const Technique kAgaa = TechniqueOf<AgaaParameters>{
+    .name = "agaa",
+    .title = "Aggregate G-buffer anti-aliasing",
+    .paper = "Crassin, McGuire, Fatahalian, Lefohn: Aggregate G-Buffer Anti-Aliasing, extended version. IEEE TVCG 2016",
+    .fields = {field::integer("aggregates", &AgaaParameters::aggregates, {1, AGAA_MAX_AGGREGATES},
+                              "aggregates a pixel may have"),
+               field::samples({4, 8, 16, 32}),
+               field::number("length", &AgaaParameters::length, {1e-6, 1e6},
+                             "largest scale of local detail: a distance as large parts samples as opposite normals do",
+                             "world units"),
+               field::number("separation", &AgaaParameters::separation, {0, 1e6},
+                             "an aggregate is only made farther than this from the others, in the paper's distance"),
+               field::choice(
+                   "ndf", &AgaaParameters::ndf,
+                   "distribution of normals: isotropic, by the mean's length, or anisotropic, by second moments",
+                   {{"toksvig", Ndf::toksvig}, {"sggx", Ndf::sggx}}),
+               field::choice("roughness", &AgaaParameters::roughness, "kept as a mean, or by shortening the normals",
+                             {{"mean", Roughness::mean}, {"in_normal", Roughness::in_normal}}),
+               field::choice("storage", &AgaaParameters::storage, "sums in the paper's fixed point, or in floats",
+                             {{"fixed", Storage::fixed_point}, {"float", Storage::floats}}),
+               field::integer("shadow_taps", &AgaaParameters::shadow_taps, field::one_of({1, 2, 4, 8}),
+                              "points of an aggregate's footprint at which its shadow is looked up"),
+               field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"aggregates", "Aggregates", "aggregates", AGAA_MAX_AGGREGATES},
+             {"normal_variance", "Variance of normals within aggregates", "thousandths", 1000},
+             {"footprint", "Deviation of positions within an aggregate", "thousandths of a world unit", 1000}},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

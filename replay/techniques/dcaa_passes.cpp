@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "replay/frontend/fragment_lists.hpp"
 #include "replay/techniques/dcaa_view.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/techniques/agaa/agaa_types.h"
-#include "shaders/techniques/dcaa/dcaa_types.h"
+#include "shaders/techniques/dcaa/dcaa_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -19,27 +19,23 @@ namespace {
 constexpr VkFormat kWords = VK_FORMAT_R32G32B32A32_UINT, kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr VkImageUsageFlags kTarget =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
-constexpr std::uint32_t kMostAttachments = 8, kFewestAttachments = 3;
 
-// As in shaders/techniques/dcaa/state.glsl.
 std::uint32_t state_quads(const FrameSetup& setup, const DcaaForm& form) {
-  const std::uint32_t surface_words = (setup.samples == 64 ? 2 : 1) + (form.normal_format == DCAA_NORMAL_3X32 ? 3 : 1) +
-                                      3 + (form.depth_bits == 32 ? 1 : 0) +
-                                      (setup.scene.features().has(FEATURE_EMISSIVE) ? 1 : 0) +
-                                      ((form.options & DCAA_SECOND_MOMENTS) != 0 ? 3 : 0);
-  return (1 + form.surfaces * surface_words + 3) / 4;
+  const std::uint32_t surface_words =
+      DCAA_SURFACE_WORDS(setup.samples, setup.scene.features().bits, form.options, form.normal_format, form.depth_bits);
+  return DCAA_STATE_QUADS(form.surfaces, surface_words);
 }
 
 gpu::Constants constants_of(const DcaaForm& form) {
-  return {{10, form.surfaces},
-          {11, std::bit_cast<std::uint32_t>(form.normal_cosine)},
-          {12, form.options},
-          {13, form.normal_format},
-          {14, form.depth_bits},
-          {15, form.table.directions},
-          {16, form.table.distances},
-          {17, std::bit_cast<std::uint32_t>(form.depth_reach)},
-          {18, std::bit_cast<std::uint32_t>(form.inverse_length)}};
+  return {{DCAA_CONSTANT_SURFACES, form.surfaces},
+          {DCAA_CONSTANT_COS_NORMAL_ANGLE, std::bit_cast<std::uint32_t>(form.normal_cosine)},
+          {DCAA_CONSTANT_OPTIONS, form.options},
+          {DCAA_CONSTANT_NORMAL_FORMAT, form.normal_format},
+          {DCAA_CONSTANT_DEPTH_BITS, form.depth_bits},
+          {DCAA_CONSTANT_TABLE_DIRECTIONS, form.table.directions},
+          {DCAA_CONSTANT_TABLE_DISTANCES, form.table.distances},
+          {DCAA_CONSTANT_DEPTH_REACH, std::bit_cast<std::uint32_t>(form.depth_reach)},
+          {DCAA_CONSTANT_INVERSE_LENGTH, std::bit_cast<std::uint32_t>(form.inverse_length)}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
@@ -51,7 +47,7 @@ void append(gpu::Constants& constants, const gpu::Constants& more) {
 struct Resources {
   gpu::Image* state = nullptr;
   gpu::Buffer* words = nullptr;
-  gpu::Buffer* address = nullptr;
+  gpu::AddressTable* address = nullptr;
   gpu::Image* bound = nullptr;
   gpu::Buffer* table = nullptr;
   gpu::Buffer* view = nullptr;
@@ -59,10 +55,9 @@ struct Resources {
   std::string variant() const { return state ? "IMAGE" : "BUFFER"; }
   void bind_state(gpu::RasterPass& pass) const {
     if (state) {
-      pass.bindings.push_back(gpu::samples(0, *state));
+      pass.bindings.push_back(gpu::samples(ORDERED_SLOT_ATTACHMENTS, *state));
     } else {
-      pass.bindings.push_back(gpu::reads(0, *address));
-      pass.by_address.push_back(words);
+      pass.bindings.push_back(gpu::reads(ORDERED_SLOT_ADDRESS, *address));
     }
   }
 };
@@ -87,10 +82,9 @@ gpu::Image& record_bound(gpu::PassRecorder& recorder, const FrameSetup& setup, c
   append(pass.pipeline.constants, constants_of(form));
   pass.pipeline.targets.ordered_read = true;
   pass.pipeline.targets.clear = true;
-  pass.pipeline.targets.colours = {kWords, kWords};
   pass.colours = {{bound, 0}, {bound, 1}};
   pass.clear_colours = {{}, {}};
-  pass.bindings = {gpu::reads(1, table)};
+  pass.bindings = {gpu::reads(DCAA_SLOT_TABLE, table)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
   return bound;
 }
@@ -98,13 +92,14 @@ gpu::Image& record_bound(gpu::PassRecorder& recorder, const FrameSetup& setup, c
 Resources make_resources(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, bool in_buffer) {
   const std::uint32_t quads = state_quads(setup, form);
   Resources r;
-  if (quads <= kMostAttachments && !in_buffer) {
-    r.state = &recorder.image({"dcaa state", kWords, setup.width, setup.height, 1, std::max(quads, kFewestAttachments),
-                               VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+  if (quads <= ORDERED_MOST_ATTACHMENTS && !in_buffer) {
+    r.state = &recorder.image({"dcaa state", kWords, setup.width, setup.height, 1,
+                               std::max<std::uint32_t>(quads, ORDERED_FEWEST_ATTACHMENTS), VK_SAMPLE_COUNT_1_BIT,
+                               kTarget, true});
   } else {
     r.words = &recorder.buffer("dcaa state", state_pixels(setup) * quads * 16);
-    r.address = &recorder.buffer("dcaa state address", sizeof(VkDeviceAddress));
-    r.address->as<VkDeviceAddress>()[0] = r.words->address();
+    r.address = &recorder.address_table("dcaa state address", sizeof(VkDeviceAddress));
+    r.address->set(r.address->of(*r.words));
   }
   r.table = &table_buffer(recorder, setup, form);
   r.view = &recorder.buffer("dcaa view", sizeof(gpu_types::DcaaView));
@@ -119,24 +114,22 @@ void record_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dc
   pass.name = "merge";
   pass.pipeline.constants = common_constants(setup);
   append(pass.pipeline.constants, constants_of(form));
-  pass.bindings = {gpu::reads(1, *r.table), gpu::reads(2, *r.view)};
+  pass.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table), gpu::reads(DCAA_SLOT_VIEW, *r.view)};
   // Without a prepass the shader reads no bound, but declares it: the slot may not be empty.
   gpu::Image& bound =
       r.bound ? *r.bound : recorder.image({"no bound", kWords, 1, 1, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, true});
-  pass.bindings.push_back(gpu::samples(0, bound));
+  pass.bindings.push_back(gpu::samples(DCAA_SLOT_BOUND, bound));
   if (r.state) {
     const std::uint32_t attachments = r.state->description().layers;
     geometry.fragment_opaque = fmt::format("techniques/dcaa/merge.frag:{}", attachments);
     pass.pipeline.targets.ordered_read = true;
     pass.pipeline.targets.clear = true;
-    pass.pipeline.targets.colours.assign(attachments, kWords);
     for (std::uint32_t i = 0; i < attachments; ++i) pass.colours.emplace_back(*r.state, i);
     pass.clear_colours.assign(attachments, {});
   } else {
     geometry.fragment_opaque = std::string("techniques/dcaa/merge.frag:") + buffer_variant(recorder.device());
     recorder.fill("merge", *r.words, 0);
-    pass.bindings.push_back(gpu::reads(0, *r.address));
-    pass.by_address.push_back(r.words);
+    pass.bindings.push_back(gpu::writes(ORDERED_SLOT_ADDRESS, *r.address));
     pass.size = {setup.width, setup.height};
   }
   setup.frontend.record_geometry(recorder, std::move(geometry));
@@ -146,15 +139,15 @@ void record_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dc
 void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form,
                        const FragmentLists& lists, const Resources& r) {
   gpu::Buffer& kept = recorder.buffer("kept fragments", std::uint64_t{setup.width} * setup.height * 4);
-  gpu::Buffer& surfaces = recorder.buffer("fragment surfaces", lists.count * 32);
-  gpu::Buffer& surfaces_address = recorder.buffer("fragment surfaces address", sizeof(VkDeviceAddress));
-  surfaces_address.as<VkDeviceAddress>()[0] = surfaces.address();
+  gpu::Buffer& surfaces = recorder.buffer("fragment surfaces", lists.count * sizeof(gpu_types::DcaaListedSurface));
+  gpu::AddressTable& surfaces_address = recorder.address_table("fragment surfaces address", sizeof(VkDeviceAddress));
+  surfaces_address.set(surfaces_address.of(surfaces));
 
   ListedPass listed;
   listed.constants = common_constants(setup);
   append(listed.constants, constants_of(form));
-  listed.bindings = {gpu::reads(1, *r.table), gpu::reads(2, *r.view), gpu::reads(3, surfaces_address)};
-  listed.writes(surfaces);
+  listed.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table), gpu::reads(DCAA_SLOT_VIEW, *r.view),
+                     gpu::writes(DCAA_SLOT_SURFACES, surfaces_address)};
   const bool exact = (form.options & DCAA_TABLE) == 0;
   if (exact || setup.scene.features().has(FEATURE_ALPHA_TEST)) {
     listed.name = exact ? "masks" : "alpha";
@@ -164,37 +157,39 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
     listed.alpha_only = false;
   }
 
-  gpu::ComputePass pass;
-  struct {
-    gpu_types::ListAddresses lists;
-    std::uint64_t records, kept;
-    std::uint32_t width, height;
-  } const keep_push{lists.writes(pass), setup.frontend.records().address(), kept.address(), setup.width, setup.height};
-  pass.name = (form.options & DCAA_PREPASS) != 0 ? "z-prepass" : "sort";
-  pass.shader = "techniques/dcaa/keep.comp";
-  pass.constants = setup.frontend.constants();
-  append(pass.constants, constants_of(form));
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(1, *r.table)};
-  pass.by_address = {lists.fragments, lists.numbers, lists.ends, lists.bases, &setup.frontend.records(), &kept};
-  pass.push = gpu::PushConstants(keep_push);
-  pass.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
-  recorder.compute(pass);
+  gpu::ComputePass by_pixel;
+  by_pixel.constants = setup.frontend.constants();
+  append(by_pixel.constants, constants_of(form));
+  by_pixel.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(DCAA_SLOT_TABLE, *r.table),
+                       gpu::reads(DCAA_SLOT_VIEW, *r.view)};
+  by_pixel.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
+
+  gpu::ComputePass keep = by_pixel;
+  keep.name = (form.options & DCAA_PREPASS) != 0 ? "z-prepass" : "sort";
+  keep.shader = "techniques/dcaa/keep.comp";
+  const gpu_types::DcaaKeepPush keep_push{.lists = lists.writes(keep),
+                                          .records = keep.reads(setup.frontend.records()),
+                                          .kept = keep.writes(kept),
+                                          .width = setup.width,
+                                          .height = setup.height};
+  keep.push = gpu::PushConstants(keep_push);
+  recorder.compute(std::move(keep));
 
   listed.name = "attributes";
   listed.shader = "techniques/dcaa/attributes.comp";
   record_listed_fragments(recorder, setup, lists, listed);
 
-  struct {
-    gpu_types::ListAddresses lists;
-    std::uint64_t surfaces, kept, state;
-    std::uint32_t width, height;
-  } const push{lists.writes(pass), surfaces.address(), kept.address(), r.words->address(), setup.width, setup.height};
-  pass.name = "merge";
-  pass.shader = "techniques/dcaa/merge_lists.comp";
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(2, *r.view)};
-  pass.by_address = {lists.fragments, lists.numbers, lists.ends, lists.bases, &surfaces, &kept, r.words};
-  pass.push = gpu::PushConstants(push);
-  recorder.compute(pass);
+  gpu::ComputePass merge = by_pixel;
+  merge.name = "merge";
+  merge.shader = "techniques/dcaa/merge_lists.comp";
+  const gpu_types::DcaaMergePush merge_push{.lists = lists.reads(merge),
+                                            .surfaces = merge.reads(surfaces),
+                                            .kept = merge.reads(kept),
+                                            .state = merge.writes(*r.words),
+                                            .width = setup.width,
+                                            .height = setup.height};
+  merge.push = gpu::PushConstants(merge_push);
+  recorder.compute(std::move(merge));
 }
 
 void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, const Resources& r) {
@@ -206,12 +201,14 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
   gpu::RasterPass pass =
       lighting_pass(setup, "resolve and shade", "techniques/dcaa/shade.frag:" + r.variant() + (lobes ? "_LOBES" : ""));
   append(pass.pipeline.constants, constants_of(form));
-  if (lobes) pass.pipeline.constants.emplace_back(9, form.shadow_taps);
-  if (lobes) pass.pipeline.constants.emplace_back(8, (form.options & DCAA_SECOND_MOMENTS) != 0 ? AGAA_SGGX : 0u);
-  pass.pipeline.targets.colours = {kFloats, kFloats};
+  if (lobes) {
+    const bool moments = (form.options & DCAA_SECOND_MOMENTS) != 0;
+    append(pass.pipeline.constants,
+           {{AGAA_CONSTANT_SHADOW_TAPS, form.shadow_taps}, {AGAA_CONSTANT_OPTIONS, moments ? AGAA_SGGX : 0u}});
+  }
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
-  pass.bindings.push_back(gpu::reads(1, *r.table));  // declared with the masks' own functions, not read
-  pass.bindings.push_back(gpu::reads(2, *r.view));
+  pass.bindings.push_back(gpu::reads(DCAA_SLOT_TABLE, *r.table));  // declared with the masks' own functions, not read
+  pass.bindings.push_back(gpu::reads(DCAA_SLOT_VIEW, *r.view));
   r.bind_state(pass);
   recorder.raster(std::move(pass));
 }
@@ -232,9 +229,8 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dca
   append(geometry.pass.pipeline.constants, constants_of(form));
   geometry.pass.pipeline.targets.ordered_read = true;
   geometry.pass.pipeline.targets.clear = true;
-  geometry.pass.pipeline.targets.colours = {kWords};
   geometry.pass.clear_colours = {{}};
-  geometry.pass.bindings = {gpu::reads(1, *r.table)};
+  geometry.pass.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table)};
 
   gpu::RasterPass pass;
   pass.name = "maps";
@@ -242,7 +238,6 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dca
   pass.pipeline.fragment = "techniques/dcaa/maps.frag:" + r.variant();
   pass.pipeline.constants = setup.frontend.constants();
   append(pass.pipeline.constants, constants_of(form));
-  pass.pipeline.targets.colours.assign(maps.size(), VK_FORMAT_R32_UINT);
   for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
   pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
   r.bind_state(pass);
@@ -255,7 +250,7 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dca
                                    kTarget | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false});
     geometry.pass.colours = {{found}};
     frontend.record_geometry(own, geometry);
-    pass.bindings.push_back(gpu::samples(1, found));
+    pass.bindings.push_back(gpu::samples(DCAA_SLOT_FOUND, found));
     own.raster(pass);
     own.run();
     const auto bytes = gpu::download(device, found);
@@ -274,6 +269,34 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dca
 
 gpu::Image& record_depth_bound(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form) {
   return record_bound(recorder, setup, form, table_buffer(recorder, setup, form));
+}
+
+namespace field {
+
+Field<DecoupledParameters> kept_surfaces() {
+  return integer("surfaces", &DecoupledParameters::surfaces, {1, DCAA_MAX_SURFACES}, "surfaces kept for a pixel");
+}
+
+Field<DecoupledParameters> coverage_source() {
+  return choice("coverage", &DecoupledParameters::coverage,
+                "masks come from a table of half-planes, or from exact edges",
+                {{"lut", DecoupledCoverage::table}, {"exact", DecoupledCoverage::exact}});
+}
+
+Field<DecoupledParameters> depth_reach() {
+  return number("depth_reach", &DecoupledParameters::depth_reach, {0, 8},
+                "how far from the pixel's centre the depth intervals of surfaces reach", "pixels");
+}
+
+}  // namespace field
+
+DcaaForm common_form(const DecoupledParameters& parameters) {
+  DcaaForm form;
+  form.surfaces = parameters.surfaces;
+  if (parameters.coverage == DecoupledCoverage::table) form.options |= DCAA_TABLE;
+  form.normal_cosine = static_cast<float>(std::cos(parameters.normal_angle));
+  form.depth_reach = static_cast<float>(parameters.depth_reach);
+  return form;
 }
 
 std::vector<MapDescription> dcaa_maps() {

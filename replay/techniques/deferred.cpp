@@ -6,6 +6,9 @@
 #include <numeric>
 
 #include "base/error.hpp"
+#include "replay/frontend/list_passes.hpp"
+#include "shaders/deferred/deferred_interface.h"
+#include "shaders/shade/shade_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -40,13 +43,12 @@ void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::I
   gpu::RasterPass& pass = geometry.pass;
   pass.name = "gbuffer";
   pass.pipeline.constants = common_constants(setup);
-  pass.pipeline.constants.emplace_back(4, group);
+  pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, group);
   pass.pipeline.targets.ordered_read = count > 1;
   pass.pipeline.targets.clear = true;
-  pass.pipeline.targets.colours.assign(count, gbuffer.description().format);
   for (std::uint32_t i = 0; i < count; ++i) pass.colours.emplace_back(gbuffer, first_layer + i);
   pass.clear_colours.assign(count, {});
-  pass.bindings = {gpu::samples(0, visibility)};
+  pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
 
@@ -78,20 +80,17 @@ PixelList record_pixel_list(gpu::PassRecorder& recorder, const FrameSetup& setup
   gpu::ComputePass pass;
   pass.name = "compact";
   pass.shader = "deferred/count_pixels.comp";
-  pass.bindings = {gpu::samples(0, flags), gpu::writes(0, sums), gpu::writes(1, counts)};
+  pass.bindings = {gpu::samples(DEFERRED_SLOT_FLAGS, flags), gpu::writes(DEFERRED_SLOT_TILE_SUMS, sums),
+                   gpu::writes(DEFERRED_SLOT_TILE_COUNTS, counts)};
   pass.groups = {(tiles + 63) / 64, 1, 1};
   recorder.compute(pass);
 
-  gpu::ComputePass scan;
-  scan.name = "compact";
-  scan.shader = "frontend/scan.comp";
-  scan.bindings = {gpu::writes(0, sums)};
-  scan.push = gpu::PushConstants(tiles);
-  recorder.compute(std::move(scan));
+  record_scan(recorder, "compact", sums, tiles);
 
   pass.shader = "deferred/list_pixels.comp";
-  pass.bindings = {gpu::samples(0, flags), gpu::reads(0, sums), gpu::writes(1, *list.pixels),
-                   gpu::writes(2, *list.groups)};
+  pass.bindings = {gpu::samples(DEFERRED_SLOT_FLAGS, flags), gpu::reads(DEFERRED_SLOT_TILE_SUMS, sums),
+                   gpu::writes(DEFERRED_SLOT_PIXEL_LIST, *list.pixels),
+                   gpu::writes(DEFERRED_SLOT_GROUPS, *list.groups)};
   recorder.compute(std::move(pass));
 
   recorder.host([&counts, list] {
@@ -112,23 +111,22 @@ gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::st
   pass.pipeline.fragment = std::move(fragment);
   pass.pipeline.constants = common_constants(setup);
   for (const auto& constant : setup.frontend.constants()) pass.pipeline.constants.push_back(constant);
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(8, setup.scene.spot_cones),
-                   gpu::samples(7, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(FRAME_SLOT_SPOT_CONES, setup.scene.spot_cones),
+                   gpu::samples(FRAME_SLOT_SHADOW_MAP, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
   return pass;
 }
 
 void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
                            gpu::Image& gbuffer, gpu::Image& sum, std::uint32_t group) {
   gpu::RasterPass pass = lighting_pass(setup, "shade", "shade/samples.frag");
-  pass.pipeline.constants.emplace_back(4, group);
-  pass.pipeline.constants.emplace_back(6, gbuffer_group(setup.samples));
-  pass.pipeline.targets.colours = {kFloats};
+  pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, group);
+  pass.pipeline.constants.emplace_back(CONSTANT_GROUP_SAMPLES, gbuffer_group(setup.samples));
   pass.pipeline.targets.clear = group == 0;
   pass.pipeline.additive = true;
   pass.colours = {{sum}};
   pass.clear_colours = {{}};
-  pass.bindings.push_back(gpu::samples(0, visibility));
-  pass.bindings.push_back(gpu::samples(1, gbuffer));
+  pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
+  pass.bindings.push_back(gpu::samples(SHADE_SLOT_GBUFFER, gbuffer));
   recorder.raster(std::move(pass));
 }
 
@@ -143,11 +141,10 @@ void record_resolve(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::I
   pass.pipeline.fragment = "shade/resolve.frag";
   pass.pipeline.constants = common_constants(setup);
   for (const auto& constant : setup.frontend.constants()) pass.pipeline.constants.push_back(constant);
-  pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
   pass.pipeline.targets.clear = true;
   pass.clear_colours = {{}, {}};
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::samples(0, sum)};
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::samples(SHADE_SLOT_SUM, sum)};
   recorder.raster(std::move(pass));
 }
 

@@ -2,7 +2,7 @@
 // images.
 #pragma once
 
-#include "replay/techniques/frame_setup.hpp"
+#include "replay/frame/technique.hpp"
 
 namespace subpixel::replay {
 

@@ -23,11 +23,10 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   gpu::Image& sum = sum_image(recorder, setup);
 
   gpu::RasterPass background = lighting_pass(setup, "background", "techniques/forward/background.frag");
-  background.pipeline.targets.colours = {sum.description().format};
   background.pipeline.targets.clear = true;
   background.colours = {{sum}};
   background.clear_colours = {{}};
-  background.bindings.push_back(gpu::samples(0, visibility));
+  background.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
   recorder.raster(std::move(background));
 
   Frontend::GeometryPass geometry;
@@ -36,11 +35,11 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   gpu::RasterPass& pass = geometry.pass;
   pass.name = "forward";
   pass.pipeline.constants = common_constants(setup);
-  pass.pipeline.targets.colours = {sum.description().format};
   pass.pipeline.additive = true;
   pass.colours = {{sum}};
-  pass.bindings = {gpu::samples(0, visibility), gpu::reads(8, setup.scene.spot_cones),
-                   gpu::samples(7, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
+  pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility),
+                   gpu::reads(FRAME_SLOT_SPOT_CONES, setup.scene.spot_cones),
+                   gpu::samples(FRAME_SLOT_SHADOW_MAP, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
   record_resolve(recorder, setup, sum);
 }
@@ -49,13 +48,14 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
 
 extern const Technique kForward;
 
-const Technique kForward{
-    "forward",
-    "Forward MSAA, one shading per visible fragment",
-    "Akeley: RealityEngine graphics. SIGGRAPH 1993",
-    {samples_parameter({4, 8, 16, 32, 64}, 8), alpha_parameter(), resolve_parameter(), shading_parameter()},
-    {},
-    layout,
-    record};
+const Technique kForward = TechniqueOf<CommonParameters>{
+    .name = "forward",
+    .title = "Forward MSAA, one shading per visible fragment",
+    .paper = "Akeley: RealityEngine graphics. SIGGRAPH 1993",
+    .fields = {field::samples({4, 8, 16, 32, 64}), field::alpha(), field::resolve(), field::shading()},
+    .maps = {},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

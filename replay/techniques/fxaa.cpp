@@ -3,11 +3,22 @@
 // needs no geometry memory and can't show what one sample a pixel missed.
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "shaders/techniques/fxaa/fxaa_interface.h"
 
 namespace subpixel::replay {
 namespace {
 
-MemoryLayout layout(const FrameSetup& setup) {
+struct FxaaParameters : CommonParameters {
+  double edge_threshold = 0.125;
+  double least_contrast = 0.03;
+  double blur = 0.75;
+  std::uint32_t search_steps = 16;
+
+  FxaaParameters() { samples = 1; }
+};
+using Setup = SetupFor<FxaaParameters>;
+
+MemoryLayout layout(const Setup& setup) {
   const double n = setup.samples;
   MemoryLayout memory;
   memory.paper = {{"depth", 32 * n}, {"G-buffer samples", 128 * n}};
@@ -15,7 +26,7 @@ MemoryLayout layout(const FrameSetup& setup) {
   return memory;
 }
 
-void record_filter(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& values) {
+void record_filter(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& values) {
   gpu::Image& unfiltered = *setup.outputs.display;
   gpu::ImageDescription output = unfiltered.description();
   setup.outputs.radiance = &recorder.image(output);
@@ -26,23 +37,20 @@ void record_filter(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Im
   setup.outputs.maps.emplace_back("changed", &changed);
 
   gpu::RasterPass pass = lighting_pass(setup, "filter", "techniques/fxaa/filter.frag");
-  pass.pipeline.targets.colours = {setup.outputs.radiance->description().format,
-                                   setup.outputs.display->description().format, output.format};
   pass.pipeline.targets.clear = true;
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}, {changed}};
   pass.clear_colours = {{}, {}, {}};
-  pass.bindings.push_back(gpu::samples(0, unfiltered));
-  pass.bindings.push_back(gpu::samples(1, values));
-  struct {
-    float relative_threshold, least_contrast, blur;
-    std::uint32_t steps;
-  } const push{static_cast<float>(setup.number("edge_threshold")), static_cast<float>(setup.number("least_contrast")),
-               static_cast<float>(setup.number("blur")), setup.parameters.at("search_steps").get<std::uint32_t>()};
-  pass.push = gpu::PushConstants(push);
+  pass.bindings.push_back(gpu::samples(FXAA_SLOT_DISPLAYED, unfiltered));
+  pass.bindings.push_back(gpu::samples(FXAA_SLOT_VALUES, values));
+  pass.push =
+      gpu::PushConstants(gpu_types::FxaaPush{.relative_threshold = static_cast<float>(setup.parameters.edge_threshold),
+                                             .least_contrast = static_cast<float>(setup.parameters.least_contrast),
+                                             .blur = static_cast<float>(setup.parameters.blur),
+                                             .steps = setup.parameters.search_steps});
   recorder.raster(std::move(pass));
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+void record(gpu::PassRecorder& recorder, const Setup& setup) {
   setup.frontend.record_setup(recorder);
   gpu::Image& visibility = record_visibility(recorder, setup);
   gpu::Image& gbuffer = gbuffer_image(recorder, setup);
@@ -53,44 +61,27 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   record_filter(recorder, setup, sum);
 }
 
-Parameters parameters() {
-  Parameter edge_threshold;
-  edge_threshold.name = "edge_threshold";
-  edge_threshold.kind = ParameterKind::number;
-  edge_threshold.doc = "least contrast of an edge as a fraction of the brightest neighbour's luminance";
-  edge_threshold.minimum = 0;
-  edge_threshold.maximum = 1;
-  edge_threshold.default_value = 0.125;
-  Parameter least_contrast = edge_threshold;
-  least_contrast.name = "least_contrast";
-  least_contrast.doc = "least contrast of an edge in display values, which keeps dark noise as it is";
-  least_contrast.default_value = 0.03;
-  Parameter blur = edge_threshold;
-  blur.name = "blur";
-  blur.doc = "strength of the low-pass on dots and lines thinner than a pixel";
-  blur.default_value = 0.75;
-  Parameter search_steps;
-  search_steps.name = "search_steps";
-  search_steps.kind = ParameterKind::integer;
-  search_steps.doc = "how far an edge is followed in each direction: quality against time";
-  search_steps.unit = "pixels";
-  search_steps.minimum = 0;
-  search_steps.maximum = 64;
-  search_steps.default_value = 16;
-  return {samples_parameter({1}, 1), edge_threshold,      least_contrast,     blur, search_steps,
-          alpha_parameter(),         resolve_parameter(), shading_parameter()};
-}
-
 }  // namespace
 
 extern const Technique kFxaa;
 
-const Technique kFxaa{"fxaa",
-                      "No anti-aliasing, edges of luminance filtered",
-                      "Lottes: FXAA. NVIDIA 2009 (the idea; the filter is our own)",
-                      parameters(),
-                      {{"changed", "Pixels the filter changed", "", 1}},
-                      layout,
-                      record};
+const Technique kFxaa = TechniqueOf<FxaaParameters>{
+    .name = "fxaa",
+    .title = "No anti-aliasing, edges of luminance filtered",
+    .paper = "Lottes: FXAA. NVIDIA 2009 (the idea; the filter is our own)",
+    .fields = {field::samples({1}),
+               field::number("edge_threshold", &FxaaParameters::edge_threshold, {0, 1},
+                             "least contrast of an edge as a fraction of the brightest neighbour's luminance"),
+               field::number("least_contrast", &FxaaParameters::least_contrast, {0, 1},
+                             "least contrast of an edge in display values, which keeps dark noise as it is"),
+               field::number("blur", &FxaaParameters::blur, {0, 1},
+                             "strength of the low-pass on dots and lines thinner than a pixel"),
+               field::integer("search_steps", &FxaaParameters::search_steps, {0, 64},
+                              "how far an edge is followed in each direction: quality against time", "pixels"),
+               field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"changed", "Pixels the filter changed", "", 1}},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

@@ -6,86 +6,92 @@
 // When a pixel's list is full, what shows of the least visible surface joins the surface nearest to it by AGAA's
 // distance, whatever their depths, instead of being averaged with one that overlaps it in depth or else dropped. Merged
 // shading normals keep the length of their mean, and lighting is filtered over the distribution that it stands for.
-#include <cmath>
-#include <numbers>
-
-#include "replay/frontend/fragment_lists.hpp"
 #include "replay/techniques/dcaa_passes.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/techniques/dcaa/dcaa_types.h"
+#include "shaders/techniques/dcaa/dcaa_interface.h"
 
 namespace subpixel::replay {
 namespace {
 
-DcaaForm form_of(const FrameSetup& setup) {
-  DcaaForm form;
-  form.surfaces = setup.parameters.at("surfaces").get<std::uint32_t>();
-  form.options = DCAA_KEEP_FRONT | DCAA_PREPASS;
-  form.options |= setup.choice("second_merge") == "nearest" ? DCAA_NEAREST : DCAA_SECOND_MERGE;
-  if (setup.choice("normals") != "mean") form.options |= DCAA_DISTRIBUTION;
-  if (setup.choice("normals") == "sggx") form.options |= DCAA_SECOND_MOMENTS;
-  if (setup.choice("merge_weight") == "shown") form.options |= DCAA_WEIGHT_SHOWN;
-  if (setup.choice("coverage") == "lut") form.options |= DCAA_TABLE;
-  form.normal_cosine = static_cast<float>(std::cos(setup.number("normal_angle")));
-  form.depth_reach = static_cast<float>(setup.number("depth_reach"));
-  form.inverse_length = static_cast<float>(1 / setup.number("length"));
-  form.shadow_taps = setup.parameters.at("shadow_taps").get<std::uint32_t>();
+enum class SecondMerge { nearest, overlapping };
+enum class MergedNormals { distribution, sggx, mean };
+
+struct HybridParameters : DecoupledParameters {
+  SecondMerge second_merge = SecondMerge::nearest;
+  double length = 1;  // world units
+  MergedNormals normals = MergedNormals::distribution;
+  DecoupledWeight merge_weight = DecoupledWeight::shown;
+  std::uint32_t shadow_taps = 4;
+};
+using Setup = SetupFor<HybridParameters>;
+
+DcaaForm form_of(const HybridParameters& parameters) {
+  DcaaForm form = common_form(parameters);
+  form.options |= DCAA_KEEP_FRONT | DCAA_PREPASS;
+  form.options |= parameters.second_merge == SecondMerge::nearest ? DCAA_NEAREST : DCAA_SECOND_MERGE;
+  if (parameters.normals != MergedNormals::mean) form.options |= DCAA_DISTRIBUTION;
+  if (parameters.normals == MergedNormals::sggx) form.options |= DCAA_SECOND_MOMENTS;
+  if (parameters.merge_weight == DecoupledWeight::shown) form.options |= DCAA_WEIGHT_SHOWN;
+  form.inverse_length = static_cast<float>(1 / parameters.length);
+  form.shadow_taps = parameters.shadow_taps;
   return form;
 }
 
-MemoryLayout layout(const FrameSetup& setup) {
-  const double s = setup.number("surfaces"), n = setup.samples;
+MemoryLayout layout(const Setup& setup) {
+  const double s = setup.parameters.surfaces, n = setup.samples;
   MemoryLayout memory;
   // DCAA's surface: the length of a mean normal takes 8 of its normal's 32 bits.
   memory.paper = {{"coverage", n * s}, {"facet normal", 32 * s}, {"G-buffer samples", 128 * s}};
   memory.fitted = {{"coverage", n * s}, {"facet normal", 32 * s},
                    {"depth", 24 * s},   {"attributes", fitted_surface_bits(setup.scene.features()) * s},
                    {"count word", 32},  {"prepass planes", 256}};
-  if (setup.choice("normals") == "sggx") {
+  if (setup.parameters.normals == MergedNormals::sggx) {
     memory.paper.push_back({"second moments", 96 * s});
     memory.fitted.push_back({"second moments", 96 * s});
   }
   return memory;
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  record_dcaa(recorder, setup, form_of(setup));
+void record(gpu::PassRecorder& recorder, const Setup& setup) {
+  record_dcaa(recorder, setup, form_of(setup.parameters));
 }
 
 }  // namespace
 
 extern const Technique kHybrid;
 
-const Technique kHybrid{
-    "hybrid",
-    "Decoupled coverage with aggregates",
-    "None: the future work of Wang et al. 2015 (DCAA) and Crassin et al. 2016 (AGAA)",
-    {integer_parameter("surfaces", "surfaces kept for a pixel", 1, DCAA_MAX_SURFACES, 4),
-     samples_parameter({16, 32, 64}, 64),
-     choice_parameter("coverage", "masks come from a table of half-planes, or from exact edges", {"lut", "exact"}),
-     number_parameter("normal_angle",
-                      "largest angle between the facet normals of fragments that merge at the first attempt", "radians",
-                      0, std::numbers::pi, std::numbers::pi / 16),
-     number_parameter("depth_reach", "how far from the pixel's centre the depth intervals of surfaces reach", "pixels",
-                      0, 8, 0.5),
-     choice_parameter("second_merge",
-                      "what has to go joins the nearest surface by the distance of aggregates, or as in dcaa one that "
-                      "overlaps it in depth",
-                      {"nearest", "overlapping"}),
-     number_parameter("length",
-                      "largest scale of local detail: a distance as large parts surfaces as opposite normals do",
-                      "world units", 1e-6, 1e6, 1),
-     choice_parameter("normals",
-                      "merged normals keep the length of their mean, for filtered lighting; their second moments, too, "
-                      "for an anisotropic one; or neither",
-                      {"distribution", "sggx", "mean"}),
-     choice_parameter("merge_weight", "merges weight by the samples that the one in front leaves, or by those covered",
-                      {"shown", "coverage"}),
-     integer_parameter("shadow_taps", "points of a surface's footprint at which its shadow is looked up", 1, 8, 4,
-                       {1, 2, 4, 8}),
-     order_parameter(), alpha_parameter(), resolve_parameter(), shading_parameter()},
-    dcaa_maps(),
-    layout,
-    record};
+const Technique kHybrid = TechniqueOf<HybridParameters>{
+    .name = "hybrid",
+    .title = "Decoupled coverage with aggregates",
+    .paper = "None: the future work of Wang et al. 2015 (DCAA) and Crassin et al. 2016 (AGAA)",
+    .fields = {field::kept_surfaces(), field::samples({16, 32, 64}), field::coverage_source(),
+               field::angle("normal_angle", &HybridParameters::normal_angle,
+                            "largest angle between the facet normals of fragments that merge at the first attempt"),
+               field::depth_reach(),
+               field::choice(
+                   "second_merge", &HybridParameters::second_merge,
+                   "what has to go joins the nearest surface by the distance of aggregates, or as in dcaa one that "
+                   "overlaps it in depth",
+                   {{"nearest", SecondMerge::nearest}, {"overlapping", SecondMerge::overlapping}}),
+               field::number("length", &HybridParameters::length, {1e-6, 1e6},
+                             "largest scale of local detail: a distance as large parts surfaces as opposite normals do",
+                             "world units"),
+               field::choice(
+                   "normals", &HybridParameters::normals,
+                   "merged normals keep the length of their mean, for filtered lighting; their second moments, "
+                   "too, for an anisotropic one; or neither",
+                   {{"distribution", MergedNormals::distribution},
+                    {"sggx", MergedNormals::sggx},
+                    {"mean", MergedNormals::mean}}),
+               field::choice("merge_weight", &HybridParameters::merge_weight,
+                             "merges weight by the samples that the one in front leaves, or by those covered",
+                             {{"shown", DecoupledWeight::shown}, {"coverage", DecoupledWeight::coverage}}),
+               field::integer("shadow_taps", &HybridParameters::shadow_taps, field::one_of({1, 2, 4, 8}),
+                              "points of a surface's footprint at which its shadow is looked up"),
+               field::order(), field::alpha(), field::resolve(), field::shading()},
+    .maps = dcaa_maps(),
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

@@ -13,7 +13,7 @@
 #include "replay/frontend/list_passes.hpp"
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/techniques/linked_list/linked_list_types.h"
+#include "shaders/techniques/linked_list/linked_list_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -33,27 +33,26 @@ std::uint64_t pair_words(const FrameSetup& setup) {
   return LINK_PAIR_WORDS - (shared ? 0 : 1) + (features.has(FEATURE_EMISSIVE) ? 2 : 0);
 }
 
-std::uint32_t allocation(const FrameSetup& setup) {
-  const std::string name = setup.choice("allocation");
-  return name == "atomic" ? LINK_ALLOCATE_ATOMIC : name == "tiles" ? LINK_ALLOCATE_TILES : LINK_ALLOCATE_LARGEST;
+std::uint32_t allocation(const LinkedListSetup& setup) {
+  return static_cast<std::uint32_t>(setup.parameters.allocation);
 }
 
-bool by_blocks(const FrameSetup& setup) {
+bool by_blocks(const LinkedListSetup& setup) {
   constexpr std::uint32_t kSide = 1u << LINK_OWNER_SIDE_BITS;  // larger images are lit by lists
-  return setup.choice("lighting") == "blocks" && setup.width <= kSide && setup.height <= kSide;
+  return setup.parameters.lighting == BlockLighting::blocks && setup.width <= kSide && setup.height <= kSide;
 }
 
-gpu::Constants list_constants(const FrameSetup& setup) {
-  return {{10, allocation(setup)},
-          {11, setup.choice("first_block") == "covered" ? LINK_FIRST_COVERED : LINK_FIRST_SAMPLE},
-          {12, by_blocks(setup) ? LINK_LIGHT_BLOCKS : LINK_LIGHT_LISTS}};
+gpu::Constants list_constants(const LinkedListSetup& setup) {
+  return {{LINK_CONSTANT_ALLOCATION, allocation(setup)},
+          {LINK_CONSTANT_FIRST_BLOCK, static_cast<std::uint32_t>(setup.parameters.first_block)},
+          {LINK_CONSTANT_LIGHTING, by_blocks(setup) ? LINK_LIGHT_BLOCKS : LINK_LIGHT_LISTS}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
   constants.insert(constants.end(), more.begin(), more.end());
 }
 
-MemoryLayout layout(const FrameSetup& setup) {
+MemoryLayout layout(const LinkedListSetup& setup) {
   const double n = setup.samples, per_pixel = 1.0 / static_cast<double>(pixels(setup));
   const double dynamic = static_cast<double>(linked_list_dynamic_blocks(setup)) * per_pixel;
   // What the frame used of the pool, once it has been replayed.
@@ -70,21 +69,17 @@ MemoryLayout layout(const FrameSetup& setup) {
 
 // What all passes of one frame share.
 struct Lists {
-  gpu::Buffer* parameters = nullptr;  // a LinkPool
-  gpu::Buffer* blocks = nullptr;
-  gpu::Buffer* owners = nullptr;  // with lighting by blocks
+  gpu::AddressTable* pool = nullptr;  // a LinkPool
   gpu::Image* visibility = nullptr;
 };
 
 template <typename Pass>
 void bind(Pass& pass, const Lists& lists) {
-  pass.bindings.push_back(gpu::samples(0, *lists.visibility));
-  pass.bindings.push_back(gpu::writes(0, *lists.parameters));
-  pass.by_address.push_back(lists.blocks);
-  if (lists.owners) pass.by_address.push_back(lists.owners);
+  pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, *lists.visibility));
+  pass.bindings.push_back(gpu::writes(LINK_SLOT_POOL, *lists.pool));
 }
 
-gpu::RasterPass fullscreen_pass(const FrameSetup& setup, std::string name, std::string fragment) {
+gpu::RasterPass fullscreen_pass(const LinkedListSetup& setup, std::string name, std::string fragment) {
   gpu::RasterPass pass;
   pass.name = std::move(name);
   pass.pipeline.vertex = "shade/fullscreen.vert";
@@ -95,7 +90,7 @@ gpu::RasterPass fullscreen_pass(const FrameSetup& setup, std::string name, std::
   return pass;
 }
 
-void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+void record_allocation(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
   gpu::ComputePass pass;
   pass.name = kLink;
   pass.constants = setup.frontend.constants();
@@ -114,14 +109,13 @@ void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   gpu::Buffer& needed = recorder.buffer("blocks by tile", (std::uint64_t{sums} + 1) * 16);
   gpu::Image& leaders = map_image(recorder, setup, "leaders");
   gpu::RasterPass find = fullscreen_pass(setup, kLink, "techniques/linked_list/leaders.frag");
-  find.pipeline.targets.colours = {leaders.description().format};
   find.colours = {{leaders}};
   bind(find, lists);
   recorder.raster(std::move(find));
 
   pass.shader = "techniques/linked_list/count.comp";
-  pass.bindings.push_back(gpu::samples(2, leaders));
-  pass.bindings.push_back(gpu::writes(1, needed));
+  pass.bindings.push_back(gpu::samples(LINK_SLOT_LEADERS, leaders));
+  pass.bindings.push_back(gpu::writes(LINK_SLOT_TILE_SUMS, needed));
   pass.groups = {(tiles + 63) / 64, 1, 1};
   recorder.compute(pass);
 
@@ -131,7 +125,7 @@ void record_allocation(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   recorder.compute(std::move(pass));
 }
 
-void record_geometry(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+void record_geometry(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
   Frontend::GeometryPass geometry;
   geometry.by_material = true;
   geometry.fragment_opaque = "techniques/linked_list/gbuffer.frag";
@@ -154,7 +148,7 @@ void record_block_lighting(gpu::PassRecorder& recorder, gpu::Buffer& frame_const
   pass.constants = shading.pipeline.constants;
   pass.bindings = {gpu::uniform(frame_constants)};
   bind(pass, lists);
-  pass.bindings.push_back(gpu::writes(1, groups));
+  pass.bindings.push_back(gpu::writes(LINK_SLOT_GROUPS, groups));
   recorder.compute(std::move(pass));
 
   gpu::ComputePass light;
@@ -167,7 +161,7 @@ void record_block_lighting(gpu::PassRecorder& recorder, gpu::Buffer& frame_const
   recorder.compute(std::move(light));
 }
 
-void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+void record_shading(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
   const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
                                      kTarget,  false};
   setup.outputs.radiance = &recorder.image(output);
@@ -175,60 +169,47 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/linked_list/shade.frag");
   append(pass.pipeline.constants, list_constants(setup));
   if (by_blocks(setup)) record_block_lighting(recorder, setup.scene.frame_constants, lists, pass);
-  pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
   bind(pass, lists);
   recorder.raster(std::move(pass));
 }
 
 // In a host step and once, as every run of a deterministic allocation leaves the same: they cost the technique no time.
-void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Lists& lists) {
+void record_maps(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
   std::vector<gpu::Image*> maps;
   for (const char* name : {"blocks", "overflow", "leaks"}) {
     maps.push_back(&map_image(recorder, setup, name));
     setup.outputs.maps.emplace_back(name, maps.back());
   }
   gpu::RasterPass pass = fullscreen_pass(setup, "maps", "techniques/linked_list/maps.frag");
-  pass.pipeline.targets.colours.assign(maps.size(), VK_FORMAT_R32_UINT);
   for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
   bind(pass, lists);
-  recorder.host([&device = recorder.device(), &counters = setup.outputs.counters, parameters = lists.parameters,
-                 pass = std::move(pass)] {
-    gpu::PassRecorder own(device);
-    own.raster(pass);
-    own.run();
-    const auto pool = parameters->as<gpu_types::LinkPool>()[0];
-    counters["blocks_wanted"] = pool.allocated;  // dynamic ones
-    counters["blocks_used"] = std::min(pool.allocated, pool.capacity);
-    counters["blocks_available"] = pool.capacity;
-    counters["overflowed_fragments"] = pool.allocated - std::min(pool.allocated, pool.capacity);
-  });
+  recorder.host(
+      [&device = recorder.device(), &counters = setup.outputs.counters, table = lists.pool, pass = std::move(pass)] {
+        gpu::PassRecorder own(device);
+        own.raster(pass);
+        own.run();
+        const auto pool = table->buffer().as<gpu_types::LinkPool>()[0];
+        counters["blocks_wanted"] = pool.allocated;  // dynamic ones
+        counters["blocks_used"] = std::min(pool.allocated, pool.capacity);
+        counters["blocks_available"] = pool.capacity;
+        counters["overflowed_fragments"] = pool.allocated - std::min(pool.allocated, pool.capacity);
+      });
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+void record(gpu::PassRecorder& recorder, const LinkedListSetup& setup) {
   const std::uint64_t dynamic = linked_list_dynamic_blocks(setup);
   record_linked_list(recorder, setup, {&recorder.buffer("blocks", linked_list_pool_bytes(setup, dynamic)), 0, dynamic});
 }
 
-Parameter pool_parameter() {
-  Parameter p;
-  p.name = "pool";
-  p.kind = ParameterKind::number;
-  p.doc = "dynamic blocks at most, in pool_unit; those of a pixel beyond samples - 1 are never needed nor made";
-  p.minimum = 0;
-  p.maximum = 1e9;
-  p.default_value = static_cast<double>(LINK_MAX_SAMPLES - 1);
-  return p;
-}
-
 }  // namespace
 
-std::uint64_t linked_list_dynamic_blocks(const FrameSetup& setup) {
-  const std::string unit = setup.choice("pool_unit");
-  const double pool = setup.number("pool");
-  const double blocks = unit == "blocks" ? pool
-                        : unit == "mib"  ? pool * kMib * 8 / static_cast<double>(16 * pair_words(setup))
-                                         : pool * static_cast<double>(pixels(setup));
+std::uint64_t linked_list_dynamic_blocks(const LinkedListSetup& setup) {
+  const PoolUnit unit = setup.parameters.pool_unit;
+  const double pool = setup.parameters.pool;
+  const double blocks = unit == PoolUnit::blocks ? pool
+                        : unit == PoolUnit::mib  ? pool * kMib * 8 / static_cast<double>(16 * pair_words(setup))
+                                                 : pool * static_cast<double>(pixels(setup));
   // A chosen sample that shows the sky leaves up to samples - 1 others, like one that doesn't.
   const std::uint64_t useful = (setup.samples - 1) * pixels(setup);
   constexpr std::uint64_t kIndices = std::uint64_t{1} << LINK_INDEX_BITS;
@@ -236,23 +217,22 @@ std::uint64_t linked_list_dynamic_blocks(const FrameSetup& setup) {
   return std::min({static_cast<std::uint64_t>(std::floor(blocks)), useful, reachable});
 }
 
-std::uint64_t linked_list_pool_bytes(const FrameSetup& setup, std::uint64_t dynamic_blocks) {
+std::uint64_t linked_list_pool_bytes(const LinkedListSetup& setup, std::uint64_t dynamic_blocks) {
   return (pixels(setup) + dynamic_blocks + 1) / 2 * pair_words(setup) * 4;
 }
 
-void record_linked_list(gpu::PassRecorder& recorder, const FrameSetup& setup, const LinkedListPool& pool) {
+void record_linked_list(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const LinkedListPool& pool) {
   setup.frontend.record_setup(recorder);
   Lists lists;
   lists.visibility = &record_visibility(recorder, setup);
-  lists.blocks = pool.buffer;
-  if (by_blocks(setup)) lists.owners = &recorder.buffer("block owners", pool.dynamic_blocks * 4);
-  lists.parameters = &recorder.buffer("lists", sizeof(gpu_types::LinkPool));
-  lists.parameters->as<gpu_types::LinkPool>()[0] = {pool.buffer->address() + pool.first_byte,
-                                                    lists.owners ? lists.owners->address() : 0,
-                                                    static_cast<std::uint32_t>(pool.dynamic_blocks),
-                                                    0,
-                                                    setup.width,
-                                                    setup.height};
+  gpu::Buffer* owners = by_blocks(setup) ? &recorder.buffer("block owners", pool.dynamic_blocks * 4) : nullptr;
+  lists.pool = &recorder.address_table("lists", sizeof(gpu_types::LinkPool));
+  lists.pool->set(gpu_types::LinkPool{.words = lists.pool->of(*pool.buffer) + pool.first_byte,
+                                      .owners = owners ? lists.pool->of(*owners) : 0,
+                                      .capacity = static_cast<std::uint32_t>(pool.dynamic_blocks),
+                                      .allocated = 0,
+                                      .width = setup.width,
+                                      .height = setup.height});
   record_allocation(recorder, setup, lists);
   record_geometry(recorder, setup, lists);
   record_shading(recorder, setup, lists);
@@ -261,27 +241,36 @@ void record_linked_list(gpu::PassRecorder& recorder, const FrameSetup& setup, co
 
 extern const Technique kLinkedList;
 
-const Technique kLinkedList{
-    "linked_list",
-    "Per-pixel linked lists",
-    "Fridvalszky, Toth: Multisample Anti-Aliasing in Deferred Rendering. Eurographics 2020 short papers",
-    {samples_parameter({2, 4, 8}, 8), pool_parameter(),
-     choice_parameter("pool_unit", "what the pool is counted in", {"blocks_per_pixel", "mib", "blocks"}),
-     choice_parameter(
-         "allocation",
-         "who gets a block while there are some: fragments with most samples first, tile by tile, or as fragments "
-         "come, by an atomic counter",
-         {"largest", "tiles", "atomic"}),
-     choice_parameter("first_block",
-                      "a pixel's own block holds what sample 0 shows, or what its first covered sample shows",
-                      {"sample", "covered"}),
-     choice_parameter("lighting", "dynamic blocks are lit one by one before the pixels, or with their pixel's list",
-                      {"blocks", "lists"}),
-     alpha_parameter(), resolve_parameter(), shading_parameter()},
-    {{"blocks", "Blocks with a surface", "blocks", 0},
-     {"overflow", "Samples of fragments without a block", "samples", 0},
-     {"leaks", "Samples that show the sky for want of a block", "samples", 0}},
-    layout,
-    record};
+const Technique kLinkedList = TechniqueOf<LinkedListParameters>{
+    .name = "linked_list",
+    .title = "Per-pixel linked lists",
+    .paper = "Fridvalszky, Toth: Multisample Anti-Aliasing in Deferred Rendering. Eurographics 2020 short papers",
+    .fields =
+        {field::samples({2, 4, 8}),
+         field::number("pool", &LinkedListParameters::pool, {0, 1e9},
+                       "dynamic blocks at most, in pool_unit; those of a pixel beyond samples - 1 are never needed nor "
+                       "made"),
+         field::choice(
+             "pool_unit", &LinkedListParameters::pool_unit, "what the pool is counted in",
+             {{"blocks_per_pixel", PoolUnit::blocks_per_pixel}, {"mib", PoolUnit::mib}, {"blocks", PoolUnit::blocks}}),
+         field::choice("allocation", &LinkedListParameters::allocation,
+                       "who gets a block while there are some: fragments with most samples first, tile by tile, or as "
+                       "fragments come, by an atomic counter",
+                       {{"largest", BlockAllocation::largest},
+                        {"tiles", BlockAllocation::tiles},
+                        {"atomic", BlockAllocation::atomic}}),
+         field::choice("first_block", &LinkedListParameters::first_block,
+                       "a pixel's own block holds what sample 0 shows, or what its first covered sample shows",
+                       {{"sample", FirstBlock::sample}, {"covered", FirstBlock::covered}}),
+         field::choice("lighting", &LinkedListParameters::lighting,
+                       "dynamic blocks are lit one by one before the pixels, or with their pixel's list",
+                       {{"blocks", BlockLighting::blocks}, {"lists", BlockLighting::lists}}),
+         field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"blocks", "Blocks with a surface", "blocks", 0},
+             {"overflow", "Samples of fragments without a block", "samples", 0},
+             {"leaks", "Samples that show the sky for want of a block", "samples", 0}},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

@@ -7,6 +7,10 @@
 namespace subpixel::replay {
 namespace {
 
+struct NoaaParameters : CommonParameters {
+  NoaaParameters() { samples = 1; }
+};
+
 MemoryLayout layout(const FrameSetup& setup) {
   const double n = setup.samples;
   MemoryLayout memory;
@@ -32,15 +36,24 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
 
 extern const Technique kNoaa, kMsaa;
 
-const Technique kNoaa{"noaa", "No anti-aliasing",
-                      "",     {samples_parameter({1}, 1), alpha_parameter(), resolve_parameter(), shading_parameter()},
-                      {},     layout,
-                      record};
+const Technique kNoaa = TechniqueOf<NoaaParameters>{
+    .name = "noaa",
+    .title = "No anti-aliasing",
+    .paper = "",
+    .fields = {field::samples({1}), field::alpha(), field::resolve(), field::shading()},
+    .maps = {},
+    .layout = layout,
+    .record = record,
+};
 
-const Technique kMsaa{
-    "msaa", "Deferred MSAA, every sample shaded",
-    "",     {samples_parameter({4, 8, 16, 32, 64}, 8), alpha_parameter(), resolve_parameter(), shading_parameter()},
-    {},     layout,
-    record};
+const Technique kMsaa = TechniqueOf<CommonParameters>{
+    .name = "msaa",
+    .title = "Deferred MSAA, every sample shaded",
+    .paper = "",
+    .fields = {field::samples({4, 8, 16, 32, 64}), field::alpha(), field::resolve(), field::shading()},
+    .maps = {},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

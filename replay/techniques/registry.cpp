@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 
 namespace subpixel::replay {
 

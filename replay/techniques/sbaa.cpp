@@ -10,20 +10,26 @@
 
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/frontend/frontend_types.h"
+#include "shaders/techniques/sbaa/sbaa_interface.h"
 
 namespace subpixel::replay {
 namespace {
 
-std::uint32_t surfaces(const FrameSetup& setup) {
-  return setup.parameters.at("surfaces").get<std::uint32_t>();
-}
-bool merges(const FrameSetup& setup) {
-  return setup.choice("mode") == "merge";
+enum class Mode { merge, id };
+
+struct SbaaParameters : CommonParameters {
+  std::uint32_t surfaces = 4;
+  Mode mode = Mode::merge;
+  double normal_angle = std::numbers::pi / 4;
+};
+using Setup = SetupFor<SbaaParameters>;
+
+bool merges(const Setup& setup) {
+  return setup.parameters.mode == Mode::merge;
 }
 
-MemoryLayout layout(const FrameSetup& setup) {
-  const double n = setup.samples, s = surfaces(setup);
+MemoryLayout layout(const Setup& setup) {
+  const double n = setup.samples, s = setup.parameters.surfaces;
   MemoryLayout memory;
   // Aggregate paper, section 5.4: a byte of primitive number a sample, 2 bytes of surface description a surface.
   memory.paper = {{"depth", 32 * n}, {"primitive hash", 8 * n}, {"G-buffer samples", 128 * s}, {"surfaces", 16 * s}};
@@ -36,39 +42,34 @@ MemoryLayout layout(const FrameSetup& setup) {
 }
 
 // A face normal and a depth slope for each triangle record: 8 bytes.
-gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const Setup& setup) {
   Frontend& frontend = setup.frontend;
   GpuScene& scene = setup.scene;
-  gpu::Buffer& faces =
-      recorder.buffer("triangle faces", frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 8);
+  gpu::Buffer& faces = recorder.buffer(
+      "triangle faces", frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * SBAA_FACE_BYTES);
   constexpr std::uint32_t kRow = 1024;  // workgroups of 64 in x
   const auto groups = static_cast<std::uint32_t>((frontend.hull_triangles() + 63) / 64);
-  struct {
-    std::uint64_t hulls, records, positions, indices, instances, faces;
-    std::uint32_t hull_triangles, row;
-  } const push{frontend.hull_indices().address(),
-               frontend.records().address(),
-               scene.positions.address(),
-               scene.indices.address(),
-               scene.instances.address(),
-               faces.address(),
-               static_cast<std::uint32_t>(frontend.hull_triangles()),
-               64 * kRow};
   gpu::ComputePass pass;
   pass.name = "normals";
   pass.shader = "techniques/sbaa/triangles.comp";
   pass.constants = frontend.constants();
   pass.bindings = {gpu::uniform(scene.frame_constants)};
-  pass.by_address = {&frontend.hull_indices(), &frontend.records(), &scene.positions,
-                     &scene.indices,           &scene.instances,    &faces};
-  pass.push = gpu::PushConstants(push);
+  pass.push = gpu::PushConstants(
+      gpu_types::SbaaTrianglesPush{.hulls = pass.reads(frontend.hull_indices()),
+                                   .records = pass.reads(frontend.records()),
+                                   .positions = pass.reads(scene.positions),
+                                   .indices = pass.reads(scene.indices),
+                                   .instances = pass.reads(scene.instances),
+                                   .faces = pass.writes(faces),
+                                   .hull_triangles = static_cast<std::uint32_t>(frontend.hull_triangles()),
+                                   .row = 64 * kRow});
   pass.groups = {std::min(groups, kRow), (groups + kRow - 1) / kRow, 1};
   recorder.compute(std::move(pass));
   return faces;
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  const std::uint32_t kept = surfaces(setup);
+void record(gpu::PassRecorder& recorder, const Setup& setup) {
+  const std::uint32_t kept = setup.parameters.surfaces;
   setup.frontend.record_setup(recorder);
   gpu::Image& visibility = record_visibility(recorder, setup);
 
@@ -81,19 +82,14 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   setup.outputs.maps.emplace_back("surfaces", &count);
   setup.outputs.maps.emplace_back("dropped", &dropped);
   gpu::RasterPass analyse = lighting_pass(setup, "analyse", "techniques/sbaa/analyse.frag");
-  analyse.pipeline.constants.emplace_back(7, kept);
-  analyse.pipeline.constants.emplace_back(8, merges(setup) ? 1 : 0);
-  analyse.pipeline.targets.colours = {kWords, count.description().format, dropped.description().format};
+  analyse.pipeline.constants.emplace_back(SBAA_CONSTANT_SURFACES, kept);
+  analyse.pipeline.constants.emplace_back(SBAA_CONSTANT_MERGE, merges(setup) ? 1 : 0);
   analyse.pipeline.targets.clear = true;
   analyse.colours = {{stored}, {count}, {dropped}};
   analyse.clear_colours = {{}, {}, {}};
-  analyse.bindings.push_back(gpu::samples(0, visibility));
-  analyse.by_address = {&faces};
-  struct {
-    std::uint64_t faces;
-    float cosine;
-  } const push{faces.address(), static_cast<float>(std::cos(setup.number("normal_angle")))};
-  analyse.push = gpu::PushConstants(push);
+  analyse.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
+  analyse.push = gpu::PushConstants(gpu_types::SbaaAnalysePush{
+      .faces = analyse.reads(faces), .cosine = static_cast<float>(std::cos(setup.parameters.normal_angle))});
   recorder.raster(std::move(analyse));
 
   const bool narrow = narrow_samples(setup);
@@ -106,65 +102,45 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   geometry.pass.name = "surfaces";
   geometry.pass.size = {setup.width, setup.height};
   geometry.pass.pipeline.constants = common_constants(setup);
-  geometry.pass.pipeline.constants.emplace_back(7, kept);
-  geometry.pass.bindings = {gpu::samples(0, visibility), gpu::samples(1, stored), gpu::image_writes(0, gbuffer)};
+  geometry.pass.pipeline.constants.emplace_back(SBAA_CONSTANT_SURFACES, kept);
+  geometry.pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(SBAA_SLOT_SURFACES, stored),
+                            gpu::image_writes(SBAA_SLOT_STORED, gbuffer)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
 
   gpu::Image& sum = sum_image(recorder, setup);
   gpu::RasterPass shade = lighting_pass(setup, "shade", "techniques/sbaa/shade.frag");
-  shade.pipeline.constants.emplace_back(7, kept);
-  shade.pipeline.targets.colours = {sum.description().format};
+  shade.pipeline.constants.emplace_back(SBAA_CONSTANT_SURFACES, kept);
   shade.pipeline.targets.clear = true;
   shade.colours = {{sum}};
   shade.clear_colours = {{}};
-  shade.bindings.insert(shade.bindings.end(), {gpu::samples(0, visibility), gpu::samples(1, stored),
-                                               gpu::samples(2, gbuffer), gpu::samples(3, dropped)});
+  shade.bindings.insert(shade.bindings.end(),
+                        {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(SBAA_SLOT_SURFACES, stored),
+                         gpu::samples(SBAA_SLOT_GBUFFER, gbuffer), gpu::samples(SBAA_SLOT_DROPPED, dropped)});
   recorder.raster(std::move(shade));
   record_resolve(recorder, setup, sum);
-}
-
-Parameters parameters() {
-  Parameter surfaces;
-  surfaces.name = "surfaces";
-  surfaces.kind = ParameterKind::integer;
-  surfaces.doc = "G-buffer samples kept for each pixel";
-  surfaces.unit = "surfaces";
-  surfaces.minimum = 1;
-  surfaces.maximum = 8;
-  surfaces.default_value = 4;
-  Parameter mode;
-  mode.name = "mode";
-  mode.kind = ParameterKind::choice;
-  mode.doc = "id: a surface is a primitive; merge: primitives with aligned normals and overlapping depths are one";
-  mode.choices = {"merge", "id"};
-  mode.default_value = "merge";
-  Parameter normal_angle;
-  normal_angle.name = "normal_angle";
-  normal_angle.kind = ParameterKind::number;
-  normal_angle.doc = "normals are aligned below this angle";
-  normal_angle.unit = "radians";
-  normal_angle.minimum = 0;
-  normal_angle.maximum = std::numbers::pi;
-  normal_angle.default_value = std::numbers::pi / 4;
-  return {samples_parameter({4, 8, 16, 32}, 8),
-          surfaces,
-          mode,
-          normal_angle,
-          alpha_parameter(),
-          resolve_parameter(),
-          shading_parameter()};
 }
 
 }  // namespace
 
 extern const Technique kSbaa;
 
-const Technique kSbaa{"sbaa",
-                      "Surface-based anti-aliasing",
-                      "Salvi, Vidimce: Surface based anti-aliasing. I3D 2012",
-                      parameters(),
-                      {{"surfaces", "Surfaces kept", "per pixel", 8}, {"dropped", "Samples dropped", "per pixel"}},
-                      layout,
-                      record};
+const Technique kSbaa = TechniqueOf<SbaaParameters>{
+    .name = "sbaa",
+    .title = "Surface-based anti-aliasing",
+    .paper = "Salvi, Vidimce: Surface based anti-aliasing. I3D 2012",
+    .fields =
+        {field::samples({4, 8, 16, 32}),
+         field::integer("surfaces", &SbaaParameters::surfaces, {1, 8}, "G-buffer samples kept for each pixel",
+                        "surfaces"),
+         field::choice(
+             "mode", &SbaaParameters::mode,
+             "id: a surface is a primitive; merge: primitives with aligned normals and overlapping depths are one",
+             {{"merge", Mode::merge}, {"id", Mode::id}}),
+         field::angle("normal_angle", &SbaaParameters::normal_angle, "normals are aligned below this angle"),
+         field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"surfaces", "Surfaces kept", "per pixel", 8}, {"dropped", "Samples dropped", "per pixel"}},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

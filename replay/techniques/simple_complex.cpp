@@ -4,11 +4,18 @@
 // list, so that the lanes of a group all have n samples to shade.
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "shaders/techniques/simple_complex/simple_complex_interface.h"
 
 namespace subpixel::replay {
 namespace {
 
-MemoryLayout layout(const FrameSetup& setup) {
+struct SimpleComplexParameters : CommonParameters {
+  double depth_threshold = 1, normal_threshold = 0.99;
+  bool compact = true;
+};
+using Setup = SetupFor<SimpleComplexParameters>;
+
+MemoryLayout layout(const Setup& setup) {
   const double n = setup.samples;
   MemoryLayout memory;
   // Streaming paper, table 1: 20-byte samples and a multi-sampled lighting buffer: 192 bytes a pixel at 8x, 96 at 4x.
@@ -21,29 +28,25 @@ MemoryLayout layout(const FrameSetup& setup) {
   return memory;
 }
 
-gpu::Image& record_classification(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
+gpu::Image& record_classification(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility,
                                   gpu::Image& gbuffer) {
   gpu::Image& flags = map_image(recorder, setup, "complex");
   setup.outputs.maps.emplace_back("complex", &flags);
   gpu::RasterPass pass = lighting_pass(setup, "classify", "techniques/simple_complex/classify.frag");
-  pass.pipeline.targets.colours = {flags.description().format};
   pass.pipeline.targets.clear = true;
   pass.colours = {{flags}};
   pass.clear_colours = {{}};
-  pass.bindings.push_back(gpu::samples(0, visibility));
-  pass.bindings.push_back(gpu::samples(1, gbuffer));
-  pass.by_address = {&setup.frontend.records()};
-  struct {
-    std::uint64_t records;
-    float depth_scale, least_cosine;
-  } const push{setup.frontend.records().address(), static_cast<float>(setup.number("depth_threshold")),
-               static_cast<float>(setup.number("normal_threshold"))};
-  pass.push = gpu::PushConstants(push);
+  pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
+  pass.bindings.push_back(gpu::samples(SHADE_SLOT_GBUFFER, gbuffer));
+  pass.push = gpu::PushConstants(
+      gpu_types::SimpleComplexClassifyPush{.records = pass.reads(setup.frontend.records()),
+                                           .depth_scale = static_cast<float>(setup.parameters.depth_threshold),
+                                           .least_cosine = static_cast<float>(setup.parameters.normal_threshold)});
   recorder.raster(std::move(pass));
   return flags;
 }
 
-void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+void record(gpu::PassRecorder& recorder, const Setup& setup) {
   setup.frontend.record_setup(recorder);
   gpu::Image& visibility = record_visibility(recorder, setup);
   gpu::Image& gbuffer = gbuffer_image(recorder, setup, true);
@@ -51,18 +54,17 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
     record_gbuffer(recorder, setup, visibility, gbuffer, group);
   gpu::Image& flags = record_classification(recorder, setup, visibility, gbuffer);
   gpu::Image& sum = sum_image(recorder, setup);
-  const bool compact = setup.parameters.at("compact").get<bool>();
+  const bool compact = setup.parameters.compact;
 
   gpu::RasterPass simple = lighting_pass(
       setup, "shade simple",
       compact ? "techniques/simple_complex/simple.frag:SIMPLE" : "techniques/simple_complex/simple.frag:BOTH");
-  simple.pipeline.targets.colours = {sum.description().format};
   simple.pipeline.targets.clear = true;
   simple.colours = {{sum}};
   simple.clear_colours = {{}};
-  simple.bindings.push_back(gpu::samples(0, visibility));
-  simple.bindings.push_back(gpu::samples(1, gbuffer));
-  simple.bindings.push_back(gpu::samples(2, flags));
+  simple.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
+  simple.bindings.push_back(gpu::samples(SHADE_SLOT_GBUFFER, gbuffer));
+  simple.bindings.push_back(gpu::samples(SIMPLE_COMPLEX_SLOT_FLAGS, flags));
   const std::vector<gpu::Binding> lights = lighting_pass(setup, "", "").bindings;
   const gpu::Constants constants = simple.pipeline.constants;
   recorder.raster(std::move(simple));
@@ -74,55 +76,36 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
     complex.shader = "techniques/simple_complex/complex.comp";
     complex.constants = constants;
     complex.bindings = lights;
-    complex.bindings.insert(complex.bindings.end(), {gpu::samples(0, visibility), gpu::samples(1, gbuffer),
-                                                     gpu::reads(0, *list.pixels), gpu::image_writes(0, sum)});
+    complex.bindings.insert(
+        complex.bindings.end(),
+        {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(SHADE_SLOT_GBUFFER, gbuffer),
+         gpu::reads(DEFERRED_SLOT_PIXEL_LIST, *list.pixels), gpu::image_writes(SIMPLE_COMPLEX_SLOT_SUM, sum)});
     complex.indirect = list.groups;
     recorder.compute(std::move(complex));
   }
   record_resolve(recorder, setup, sum);
 }
 
-Parameters parameters() {
-  Parameter depth_threshold;
-  depth_threshold.name = "depth_threshold";
-  depth_threshold.kind = ParameterKind::number;
-  depth_threshold.doc = "depths agree within this many times |dz/dx| + |dz/dy| of sample 0";
-  depth_threshold.minimum = 0;
-  depth_threshold.maximum = 1000;
-  depth_threshold.default_value = 1.0;
-  Parameter normal_threshold;
-  normal_threshold.name = "normal_threshold";
-  normal_threshold.kind = ParameterKind::number;
-  normal_threshold.doc = "normals agree when the cosine between them is not below this";
-  normal_threshold.minimum = -1;
-  normal_threshold.maximum = 1;
-  normal_threshold.default_value = 0.99;
-  Parameter compact;
-  compact.name = "compact";
-  compact.kind = ParameterKind::boolean;
-  compact.doc =
-      "complex pixels are gathered in a list and shaded in a pass of their own; the image is the same without";
-  compact.default_value = true;
-  return {samples_parameter({4, 8, 16, 32}, 8),
-          depth_threshold,
-          normal_threshold,
-          compact,
-          alpha_parameter(),
-          resolve_parameter(),
-          shading_parameter()};
-}
-
 }  // namespace
 
 extern const Technique kSimpleComplex;
 
-const Technique kSimpleComplex{
-    "simple_complex",
-    "Deferred MSAA, pixels whose samples agree shaded once",
-    "Lauritzen: Deferred rendering for current and future rendering pipelines. SIGGRAPH 2010 course",
-    parameters(),
-    {{"complex", "Complex pixels", "shaded per sample", 1}},
-    layout,
-    record};
+const Technique kSimpleComplex = TechniqueOf<SimpleComplexParameters>{
+    .name = "simple_complex",
+    .title = "Deferred MSAA, pixels whose samples agree shaded once",
+    .paper = "Lauritzen: Deferred rendering for current and future rendering pipelines. SIGGRAPH 2010 course",
+    .fields = {field::samples({4, 8, 16, 32}),
+               field::number("depth_threshold", &SimpleComplexParameters::depth_threshold, {0, 1000},
+                             "depths agree within this many times |dz/dx| + |dz/dy| of sample 0"),
+               field::number("normal_threshold", &SimpleComplexParameters::normal_threshold, {-1, 1},
+                             "normals agree when the cosine between them is not below this"),
+               field::condition("compact", &SimpleComplexParameters::compact,
+                                "complex pixels are gathered in a list and shaded in a pass of their own; the image is "
+                                "the same without"),
+               field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"complex", "Complex pixels", "shaded per sample", 1}},
+    .layout = layout,
+    .record = record,
+};
 
 }  // namespace subpixel::replay

@@ -8,11 +8,10 @@
 #include <bit>
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "replay/frontend/fragment_lists.hpp"
 #include "replay/techniques/deferred.hpp"
-#include "shaders/techniques/streaming/streaming_types.h"
+#include "shaders/techniques/streaming/streaming_interface.h"
 
 namespace subpixel::replay {
 namespace {
@@ -20,43 +19,28 @@ namespace {
 constexpr VkFormat kWords = VK_FORMAT_R32G32B32A32_UINT, kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr VkImageUsageFlags kTarget =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
-// Vulkan requires at least 4 colour attachments; devices that run us have 8.
-constexpr std::uint32_t kMostAttachments = 8, kFewestAttachments = 3;
 
-std::uint32_t surfaces(const FrameSetup& setup) {
-  return static_cast<std::uint32_t>(setup.number("surfaces"));
-}
-
-// As in shaders/techniques/streaming/state.glsl.
-std::uint32_t state_quads(const FrameSetup& setup) {
-  const SceneFeatures features = setup.scene.features();
-  const std::uint32_t surface_words = 5 + (setup.samples == 32 ? 1 : 0) +
-                                      (setup.samples > 8 && features.has(FEATURE_VARYING_ROUGHNESS) ? 1 : 0) +
-                                      (features.has(FEATURE_EMISSIVE) ? 1 : 0);
-  return (setup.samples + 1 + surfaces(setup) * surface_words + 3) / 4;
-}
-
-gpu::Constants streaming_constants(const FrameSetup& setup) {
+gpu::Constants streaming_constants(const StreamingSetup& setup) {
+  const StreamingParameters& p = setup.parameters;
   std::uint32_t options = 0;
-  const auto add = [&](std::string_view parameter, std::uint32_t option) {
-    if (setup.parameters.at(std::string(parameter)).get<bool>()) options |= option;
-  };
-  add("merge_normals", STREAM_MERGE_NORMALS);
-  add("merge_depth", STREAM_MERGE_DEPTH);
-  add("merge_coverage", STREAM_MERGE_COVERAGE);
-  if (setup.choice("merge_weight") == "coverage") options |= STREAM_WEIGHT_COVERAGE;
-  if (setup.choice("occlusion") == "depth_test") options |= STREAM_DEPTH_TESTED;
-  if (setup.choice("depth_space") == "clip") options |= STREAM_CLIP_SPACE;
-  const auto cosine = static_cast<float>(std::cos(setup.number("normal_angle")));
-  return {{10, surfaces(setup)}, {11, std::bit_cast<std::uint32_t>(cosine)}, {12, options}};
+  if (p.merge_normals) options |= STREAM_MERGE_NORMALS;
+  if (p.merge_depth) options |= STREAM_MERGE_DEPTH;
+  if (p.merge_coverage) options |= STREAM_MERGE_COVERAGE;
+  if (p.merge_weight == StreamingWeight::coverage) options |= STREAM_WEIGHT_COVERAGE;
+  if (p.occlusion == StreamingOcclusion::depth_test) options |= STREAM_DEPTH_TESTED;
+  if (p.depth_space == StreamingDepth::clip) options |= STREAM_CLIP_SPACE;
+  const auto cosine = static_cast<float>(std::cos(p.normal_angle));
+  return {{STREAM_CONSTANT_SURFACES, p.surfaces},
+          {STREAM_CONSTANT_COS_NORMAL_ANGLE, std::bit_cast<std::uint32_t>(cosine)},
+          {STREAM_CONSTANT_OPTIONS, options}};
 }
 
 void append(gpu::Constants& constants, const gpu::Constants& more) {
   constants.insert(constants.end(), more.begin(), more.end());
 }
 
-MemoryLayout layout(const FrameSetup& setup) {
-  const double n = setup.samples, s = surfaces(setup);
+MemoryLayout layout(const StreamingSetup& setup) {
+  const double n = setup.samples, s = setup.parameters.surfaces;
   // Depth 32, derivatives 2 x 16, two masks, albedo 32, normal 32; up to 16 samples the masks fit the paper's 20 bytes.
   const double masks = std::max(2 * n, 32.0);
   const double exact = 32 + 32 + 2 * n + fitted_surface_bits(setup.scene.features());
@@ -70,33 +54,33 @@ MemoryLayout layout(const FrameSetup& setup) {
 struct State {
   gpu::Image* image = nullptr;
   gpu::Buffer* words = nullptr;
-  gpu::Buffer* address = nullptr;
+  gpu::AddressTable* address = nullptr;
   std::string variant() const { return image ? "IMAGE" : "BUFFER"; }
   void bind_for_reading(gpu::RasterPass& pass) const {
     if (image) {
-      pass.bindings.push_back(gpu::samples(0, *image));
+      pass.bindings.push_back(gpu::samples(ORDERED_SLOT_ATTACHMENTS, *image));
     } else {
-      pass.bindings.push_back(gpu::reads(0, *address));
-      pass.by_address.push_back(words);
+      pass.bindings.push_back(gpu::reads(ORDERED_SLOT_ADDRESS, *address));
     }
   }
 };
 
-State make_state(gpu::PassRecorder& recorder, const FrameSetup& setup, bool in_buffer) {
-  const std::uint32_t quads = state_quads(setup);
+State make_state(gpu::PassRecorder& recorder, const StreamingSetup& setup, bool in_buffer) {
+  const std::uint32_t quads = STREAM_STATE_QUADS(setup.samples, setup.scene.features().bits, setup.parameters.surfaces);
   State state;
-  if (quads <= kMostAttachments && !in_buffer) {
+  if (quads <= ORDERED_MOST_ATTACHMENTS && !in_buffer) {
     state.image = &recorder.image({"streaming state", kWords, setup.width, setup.height, 1,
-                                   std::max(quads, kFewestAttachments), VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+                                   std::max<std::uint32_t>(quads, ORDERED_FEWEST_ATTACHMENTS), VK_SAMPLE_COUNT_1_BIT,
+                                   kTarget, true});
   } else {
     state.words = &recorder.buffer("streaming state", state_pixels(setup) * quads * 16);
-    state.address = &recorder.buffer("streaming state address", sizeof(VkDeviceAddress));
-    state.address->as<VkDeviceAddress>()[0] = state.words->address();
+    state.address = &recorder.address_table("streaming state address", sizeof(VkDeviceAddress));
+    state.address->set(state.address->of(*state.words));
   }
   return state;
 }
 
-void record_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, const State& state) {
+void record_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup, const State& state) {
   Frontend::GeometryPass geometry;
   geometry.by_material = true;
   gpu::RasterPass& pass = geometry.pass;
@@ -108,26 +92,24 @@ void record_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, co
     geometry.fragment_opaque = fmt::format("techniques/streaming/compress.frag:{}", attachments);
     pass.pipeline.targets.ordered_read = true;
     pass.pipeline.targets.clear = true;
-    pass.pipeline.targets.colours.assign(attachments, kWords);
     for (std::uint32_t i = 0; i < attachments; ++i) pass.colours.emplace_back(*state.image, i);
     pass.clear_colours.assign(attachments, {});
   } else {
     geometry.fragment_opaque = std::string("techniques/streaming/compress.frag:") + buffer_variant(recorder.device());
     recorder.fill("compress", *state.words, 0);
-    pass.bindings.push_back(gpu::reads(0, *state.address));
-    pass.by_address.push_back(state.words);
+    pass.bindings.push_back(gpu::writes(ORDERED_SLOT_ADDRESS, *state.address));
     pass.size = {setup.width, setup.height};
   }
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
 
 // The same state by passes over fragment lists.
-void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+void record_list_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup, const FragmentLists& lists,
                              const State& state) {
   gpu::Buffer& passed = recorder.buffer("passed fragments", std::uint64_t{setup.width} * setup.height * 4);
-  gpu::Buffer& surfaces = recorder.buffer("fragment surfaces", lists.count * 24);
-  gpu::Buffer& surfaces_address = recorder.buffer("fragment surfaces address", sizeof(VkDeviceAddress));
-  surfaces_address.as<VkDeviceAddress>()[0] = surfaces.address();
+  gpu::Buffer& surfaces = recorder.buffer("fragment surfaces", lists.count * sizeof(gpu_types::StreamListedSurface));
+  gpu::AddressTable& surfaces_address = recorder.address_table("fragment surfaces address", sizeof(VkDeviceAddress));
+  surfaces_address.set(surfaces_address.of(surfaces));
 
   ListedPass listed;
   listed.constants = common_constants(setup);
@@ -140,46 +122,49 @@ void record_list_compression(gpu::PassRecorder& recorder, const FrameSetup& setu
     listed.alpha_only = false;
   }
 
-  gpu::ComputePass pass;
-  struct {
-    gpu_types::ListAddresses lists;
-    std::uint64_t records_or_surfaces, state, passed;
-    std::uint32_t width, height;
-  } push{lists.writes(pass), setup.frontend.records().address(), state.words->address(), passed.address(), setup.width,
-         setup.height};
-  pass.name = "depth test";
-  pass.shader = "techniques/streaming/depth_test.comp";
-  pass.constants = setup.frontend.constants();
-  append(pass.constants, streaming_constants(setup));
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
-  pass.by_address = {lists.fragments,           lists.numbers, lists.ends, lists.bases,
-                     &setup.frontend.records(), state.words,   &passed};
-  pass.push = gpu::PushConstants(push);
-  pass.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
-  recorder.compute(pass);
+  gpu::ComputePass by_pixel;
+  by_pixel.constants = setup.frontend.constants();
+  append(by_pixel.constants, streaming_constants(setup));
+  by_pixel.bindings = {gpu::uniform(setup.scene.frame_constants)};
+  by_pixel.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
+
+  gpu::ComputePass test = by_pixel;
+  test.name = "depth test";
+  test.shader = "techniques/streaming/depth_test.comp";
+  const gpu_types::StreamDepthTestPush test_push{.lists = lists.writes(test),
+                                                 .records = test.reads(setup.frontend.records()),
+                                                 .state = test.writes(*state.words),
+                                                 .passed = test.writes(passed),
+                                                 .width = setup.width,
+                                                 .height = setup.height};
+  test.push = gpu::PushConstants(test_push);
+  recorder.compute(std::move(test));
 
   listed.name = "attributes";
   listed.shader = "techniques/streaming/attributes.comp";
-  listed.bindings = {gpu::reads(1, surfaces_address)};
-  listed.writes(surfaces);
+  listed.bindings = {gpu::writes(STREAM_SLOT_SURFACES, surfaces_address)};
   record_listed_fragments(recorder, setup, lists, listed);
 
-  push.records_or_surfaces = surfaces.address();
-  pass.name = "merge";
-  pass.shader = "techniques/streaming/merge.comp";
-  pass.by_address = {lists.fragments, lists.numbers, lists.ends, lists.bases, &surfaces, state.words, &passed};
-  pass.push = gpu::PushConstants(push);
-  recorder.compute(pass);
+  gpu::ComputePass merge = by_pixel;
+  merge.name = "merge";
+  merge.shader = "techniques/streaming/merge.comp";
+  const gpu_types::StreamMergePush merge_push{.lists = lists.reads(merge),
+                                              .surfaces = merge.reads(surfaces),
+                                              .state = merge.writes(*state.words),
+                                              .passed = merge.reads(passed),
+                                              .width = setup.width,
+                                              .height = setup.height};
+  merge.push = gpu::PushConstants(merge_push);
+  recorder.compute(std::move(merge));
 }
 
-void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const State& state) {
+void record_shading(gpu::PassRecorder& recorder, const StreamingSetup& setup, const State& state) {
   const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
                                      kTarget,  false};
   setup.outputs.radiance = &recorder.image(output);
   setup.outputs.display = &recorder.image(output);
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/streaming/shade.frag:" + state.variant());
   append(pass.pipeline.constants, streaming_constants(setup));
-  pass.pipeline.targets.colours = {kFloats, kFloats};
   pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
   state.bind_for_reading(pass);
   recorder.raster(std::move(pass));
@@ -187,7 +172,7 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
 
 // The maps are read off the state in a host step, so that they cost the technique no time, and once, since every run
 // leaves the same state.
-void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const State& state) {
+void record_maps(gpu::PassRecorder& recorder, const StreamingSetup& setup, const State& state) {
   std::vector<gpu::Image*> maps;
   for (const char* name : {"merges", "discards", "surfaces", "order_errors"}) {
     maps.push_back(&recorder.image(
@@ -200,7 +185,6 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Sta
   pass.pipeline.fragment = "techniques/streaming/maps.frag:" + state.variant();
   pass.pipeline.constants = setup.frontend.constants();
   append(pass.pipeline.constants, streaming_constants(setup));
-  pass.pipeline.targets.colours.assign(maps.size(), VK_FORMAT_R32_UINT);
   for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
   pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
   state.bind_for_reading(pass);
@@ -215,7 +199,7 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Sta
 
 }  // namespace
 
-StreamingState record_streaming(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+StreamingState record_streaming(gpu::PassRecorder& recorder, const StreamingSetup& setup) {
   setup.frontend.record_setup(recorder);
   const auto lists = record_fragment_lists(recorder, setup, "collect", ListedMasks::collected);
   const State state = make_state(recorder, setup, lists.has_value());
@@ -230,32 +214,41 @@ StreamingState record_streaming(gpu::PassRecorder& recorder, const FrameSetup& s
 
 extern const Technique kStreaming;
 
-const Technique kStreaming{
-    "streaming",
-    "Streaming G-buffer compression",
-    "Kerzner, Salvi: Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing. High-Performance Graphics 2014",
-    {integer_parameter("surfaces", "surfaces kept for a pixel", 1, STREAM_MAX_SURFACES, 3),
-     samples_parameter({4, 8, 16, 32}, 8),
-     number_parameter("normal_angle", "largest angle between the normals of fragments that merge", "radians", 0,
-                      std::numbers::pi, std::numbers::pi / 4),
-     condition_parameter("merge_normals", "fragments merge only when their normals align"),
-     condition_parameter("merge_depth", "fragments merge only when their depth intervals overlap"),
-     condition_parameter("merge_coverage", "fragments merge only when they share no sample"),
-     choice_parameter("merge_weight", "a merge weights both sides equally, or by the samples they cover",
-                      {"equal", "coverage"}),
-     choice_parameter(
-         "occlusion",
-         "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the depth test of "
-         "the sample",
-         {"intervals", "depth_test"}),
-     choice_parameter("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
-                      {"view", "clip"}),
-     order_parameter(), alpha_parameter(), resolve_parameter(), shading_parameter()},
-    {{"merges", "Fragments merged", "fragments", 16},
-     {"discards", "Samples discarded while visible", "samples", 8},
-     {"surfaces", "Surfaces stored", "surfaces", 4},
-     {"order_errors", "Surfaces out of order", "surfaces", 4}},
-    layout,
-    [](gpu::PassRecorder& recorder, const FrameSetup& setup) { record_streaming(recorder, setup); }};
+const Technique kStreaming = TechniqueOf<StreamingParameters>{
+    .name = "streaming",
+    .title = "Streaming G-buffer compression",
+    .paper =
+        "Kerzner, Salvi: Streaming G-Buffer Compression for Multi-Sample Anti-Aliasing. High-Performance Graphics "
+        "2014",
+    .fields = {field::integer("surfaces", &StreamingParameters::surfaces, {1, STREAM_MAX_SURFACES},
+                              "surfaces kept for a pixel"),
+               field::samples({4, 8, 16, 32}),
+               field::angle("normal_angle", &StreamingParameters::normal_angle,
+                            "largest angle between the normals of fragments that merge"),
+               field::condition("merge_normals", &StreamingParameters::merge_normals,
+                                "fragments merge only when their normals align"),
+               field::condition("merge_depth", &StreamingParameters::merge_depth,
+                                "fragments merge only when their depth intervals overlap"),
+               field::condition("merge_coverage", &StreamingParameters::merge_coverage,
+                                "fragments merge only when they share no sample"),
+               field::choice("merge_weight", &StreamingParameters::merge_weight,
+                             "a merge weights both sides equally, or by the samples they cover",
+                             {{"equal", StreamingWeight::equal}, {"coverage", StreamingWeight::coverage}}),
+               field::choice(
+                   "occlusion", &StreamingParameters::occlusion,
+                   "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the "
+                   "depth test of the sample",
+                   {{"intervals", StreamingOcclusion::intervals}, {"depth_test", StreamingOcclusion::depth_test}}),
+               field::choice("depth_space", &StreamingParameters::depth_space,
+                             "surfaces keep depth and derivatives along the view, or of the depth buffer",
+                             {{"view", StreamingDepth::view}, {"clip", StreamingDepth::clip}}),
+               field::order(), field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"merges", "Fragments merged", "fragments", 16},
+             {"discards", "Samples discarded while visible", "samples", 8},
+             {"surfaces", "Surfaces stored", "surfaces", 4},
+             {"order_errors", "Surfaces out of order", "surfaces", 4}},
+    .layout = layout,
+    .record = [](gpu::PassRecorder& recorder, const StreamingSetup& setup) { record_streaming(recorder, setup); },
+};
 
 }  // namespace subpixel::replay

@@ -1,9 +1,25 @@
 // The passes of `streaming`, apart from the technique so that tests can read the state they leave.
 #pragma once
 
-#include "replay/techniques/frame_setup.hpp"
+#include <numbers>
+
+#include "replay/frame/technique.hpp"
 
 namespace subpixel::replay {
+
+enum class StreamingWeight { equal, coverage };
+enum class StreamingOcclusion { intervals, depth_test };
+enum class StreamingDepth { view, clip };
+
+struct StreamingParameters : OrderedParameters {
+  std::uint32_t surfaces = 3;
+  double normal_angle = std::numbers::pi / 4;
+  bool merge_normals = true, merge_depth = true, merge_coverage = true;
+  StreamingWeight merge_weight = StreamingWeight::equal;
+  StreamingOcclusion occlusion = StreamingOcclusion::intervals;
+  StreamingDepth depth_space = StreamingDepth::view;
+};
+using StreamingSetup = SetupFor<StreamingParameters>;
 
 // Each pixel's state as in shaders/techniques/streaming/state.glsl, in one of the two: quads are layers of an RGBA32UI
 // image, or lie together, pixel after pixel, row by row.
@@ -13,6 +29,6 @@ struct StreamingState {
 };
 
 // All passes of the technique; the state belongs to the recorder.
-StreamingState record_streaming(gpu::PassRecorder& recorder, const FrameSetup& setup);
+StreamingState record_streaming(gpu::PassRecorder& recorder, const StreamingSetup& setup);
 
 }  // namespace subpixel::replay

@@ -9,9 +9,9 @@
 #include "base/error.hpp"
 #include "base/json_document.hpp"
 #include "base/printable.hpp"
-#include "replay/complete_technique.hpp"
 #include "replay/results/limits.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/complete_technique.hpp"
+#include "replay/techniques/registry.hpp"
 
 namespace subpixel::server {
 namespace {
@@ -108,13 +108,8 @@ std::vector<replay::TechniqueRequest> resolve_techniques(const Settings& setting
     try {
       for (const replay::TechniqueRequest& given :
            text == "all" ? every_technique() : replay::parse_technique_list(text)) {
-        replay::TechniqueRequest request =
-            replay::complete_technique(given.technique, given.parameters, settings.options.samples);
-        const bool twice = std::ranges::any_of(requests, [&](const replay::TechniqueRequest& other) {
-          return other.technique == request.technique && other.parameters == request.parameters;
-        });
-        if (twice) throw InputError(kWhat, "asked for twice", request.technique);
-        requests.push_back(std::move(request));
+        if (!add_once(requests, replay::complete_technique(given, settings.options.samples)))
+          throw InputError(kWhat, "asked for twice", given.technique);
       }
     } catch (const Error& error) {
       throw InputError(kWhat, error.what(), field);

@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/json_fields.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 
 namespace subpixel::server {
 namespace {

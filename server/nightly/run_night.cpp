@@ -43,10 +43,11 @@ std::string last_line(std::string_view text) {
   return printable(line == std::string_view::npos ? text : text.substr(line + 1), 500);
 }
 
-// Replays `job` in a process of its own; `on_result` gets each result while its image files are there.
+// Replays `job` in a process of its own; `on_result` gets each result while its image files are there, with the place
+// of its technique in the job's list.
 Replayed replay_in_worker(const replay::ReplayJob& job, const std::filesystem::path& job_file,
                           const NightOptions& options,
-                          const std::function<void(const replay::FrameResult&)>& on_result) {
+                          const std::function<void(std::uint32_t, const replay::FrameResult&)>& on_result) {
   write_file_atomically(job_file, std::string_view(replay::to_json(job).dump()));
   Replayed replayed;
   std::string error;
@@ -57,7 +58,13 @@ Replayed replay_in_worker(const replay::ReplayJob& job, const std::filesystem::p
       const JsonField message(document, "worker message");
       const std::string type = message.member("type").text();
       if (type == "head") replayed.head = replay::results_head_from_json(message.member("head").raw());
-      if (type == "result") on_result(replay::frame_result_from_json(message.member("result").raw()));
+      if (type == "result") {
+        const std::uint32_t ordinal = message.member("ordinal").u32();
+        const replay::FrameResult result = replay::frame_result_from_json(message.member("result").raw());
+        if (ordinal >= job.options.techniques.size() || job.options.techniques[ordinal].technique != result.technique)
+          throw InputError("worker result", "it is not of this night", printable(result.technique, 60));
+        on_result(ordinal, result);
+      }
       if (type == "error") error = printable(message.member("message").text(), 1000);
       if (type == "done") done = true;
       return true;
@@ -228,12 +235,8 @@ void Night::replay_capture(std::size_t index) {
     say(fmt::format("{} ({}/{}): {} techniques", capture.name, index + 1, planned_.size(), cells.size()));
     const replay::ReplayJob job = job_for(planned);
     std::filesystem::create_directories(job.out_dir);
-    const auto take = [&](const replay::FrameResult& result) {
-      const std::string key = technique_key(result.technique, result.parameters);
-      const auto cell = std::ranges::find(cells, key, &NightCell::technique);
-      if (cell == cells.end()) throw InputError("worker result", "it is not of this night", key);
-      waiting.push_back(
-          {static_cast<std::size_t>(cell - cells.begin()), result, read_worker_images(job.out_dir, result)});
+    const auto take = [&](std::uint32_t ordinal, const replay::FrameResult& result) {
+      waiting.push_back({ordinal, result, read_worker_images(job.out_dir, result)});
     };
     Replayed replayed = replay_in_worker(job, folder_.night() / "job.json", options_, take);
     capture.head = replayed.head;
@@ -289,24 +292,21 @@ bool Night::measure_again(std::uint32_t capture, const std::vector<NightCell*>& 
   });
   planned.options.reference_samples = 0;
   std::vector<NightCell> cells;
+  for (const replay::TechniqueRequest& request : planned.options.techniques)
+    cells.emplace_back().technique = technique_key(request.technique, request.parameters);
   const replay::ReplayJob job = job_for(planned);
   std::filesystem::create_directories(job.out_dir);
-  const Replayed replayed =
-      replay_in_worker(job, folder_.night() / "job.json", options_, [&](const replay::FrameResult& result) {
-        const std::string key = technique_key(result.technique, result.parameters);
-        auto cell = std::ranges::find(cells, key, &NightCell::technique);
-        if (cell == cells.end()) {
-          cells.emplace_back().technique = key;
-          cell = cells.end() - 1;
-        }
-        cell->frames.push_back({0, result, ""});
-        for (const auto& image : result.images) {
-          std::error_code ignored;
-          std::filesystem::remove(job.out_dir / image.second, ignored);
-        }
-      });
+  const auto take = [&](std::uint32_t ordinal, const replay::FrameResult& result) {
+    cells[ordinal].frames.push_back({0, result, ""});
+    for (const auto& image : result.images) {
+      std::error_code ignored;
+      std::filesystem::remove(job.out_dir / image.second, ignored);
+    }
+  };
+  const Replayed replayed = replay_in_worker(job, folder_.night() / "job.json", options_, take);
   std::filesystem::remove_all(job.out_dir);
   if (!replayed.problem.empty()) return false;
+  std::erase_if(cells, [](const NightCell& cell) { return cell.frames.empty(); });
   bool better = false;
   for (NightCell* cell : slow) {
     const auto again = std::ranges::find(cells, cell->technique, &NightCell::technique);

@@ -56,9 +56,11 @@ struct RunRecord {
   std::uint32_t starts_without_result = 0;
 };
 
-// A result as it is read back: its event number and its FrameResult in JSON form, images named by blob hash.
+// A result as it is read back: its event number, the place of its technique in the run's list, and its FrameResult in
+// JSON form, images named by blob hash.
 struct StoredResult {
   std::int64_t sequence = 0;
+  std::uint32_t technique_ordinal = 0;
   nlohmann::json document;
 };
 

@@ -67,7 +67,8 @@ std::vector<StoredResult> read_results(Statement& select) {
   std::vector<StoredResult> results;
   while (select.step()) {
     const std::int64_t sequence = select.integer();
-    results.push_back({sequence, nlohmann::json::parse(select.text())});
+    const auto ordinal = static_cast<std::uint32_t>(select.integer());
+    results.push_back({sequence, ordinal, nlohmann::json::parse(select.text())});
   }
   return results;
 }
@@ -273,7 +274,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> Store::stored_pairs(std::in
 std::vector<StoredResult> Store::results_after(std::int64_t run, std::int64_t after, std::uint32_t limit) const {
   const ReadLease reader = read();
   Statement select(reader.connection(),
-                   "SELECT sequence, document FROM frame_results WHERE run = ? AND sequence > ? ORDER BY sequence "
+                   "SELECT sequence, technique_ordinal, document FROM frame_results WHERE run = ? AND sequence > ? "
+                   "ORDER BY sequence "
                    "LIMIT ?");
   select.bind(run).bind(after).bind(std::int64_t{limit});
   return read_results(select);
@@ -282,7 +284,8 @@ std::vector<StoredResult> Store::results_after(std::int64_t run, std::int64_t af
 std::vector<StoredResult> Store::results(std::int64_t run) const {
   const ReadLease reader = read();
   Statement select(reader.connection(),
-                   "SELECT sequence, document FROM frame_results WHERE run = ? ORDER BY frame, technique_ordinal");
+                   "SELECT sequence, technique_ordinal, document FROM frame_results WHERE run = ? ORDER BY frame, "
+                   "technique_ordinal");
   select.bind(run);
   return read_results(select);
 }

@@ -2,13 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 // Counts the flagged pixels of each tile; one invocation for each tile.
-// Reads: flags (slot 0). Writes: sums (x: the count, to be scanned in place), counts (the same, which stay).
+// Reads: flags. Writes: sums (x: the count, to be scanned in place), counts (the same, which stay).
 layout(local_size_x = 64) in;
 #include "deferred/pixel_list.glsl"
 
-layout(set = 0, binding = 12) uniform usampler2D flags;
-layout(set = 0, binding = 1, scalar) writeonly buffer Sums { uvec4 sums[]; };
-layout(set = 0, binding = 2, scalar) writeonly buffer Counts { uint counts[]; };
+layout(set = 0, binding = SAMPLED(DEFERRED_SLOT_FLAGS)) uniform usampler2D flags;
+layout(set = 0, binding = STORAGE(DEFERRED_SLOT_TILE_SUMS), scalar) writeonly buffer Sums { uvec4 sums[]; };
+layout(set = 0, binding = STORAGE(DEFERRED_SLOT_TILE_COUNTS), scalar) writeonly buffer Counts { uint counts[]; };
 
 void main() {
   ivec2 size = textureSize(flags, 0);

@@ -4,7 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 // variants: 1=-DGROUP=1 4=-DGROUP=4 8=-DGROUP=8
 // Full G-buffer samples: each fragment writes its surface to those of GROUP samples in which its triangle is the visible one.
-// Reads: visibility (slot 0); with GROUP > 1 the attachments, so that the other samples keep their values.
+// Reads: visibility; with GROUP > 1 the attachments, so that the other samples keep their values.
 // Writes: one attachment for each sample, as in stored_sample.glsl.
 #define WITH_UV
 #define WITH_ATTRIBUTES
@@ -12,23 +12,23 @@
 #include "deferred/stored_sample.glsl"
 #include "include/visibility.glsl"
 
-layout(constant_id = 4) const uint SAMPLE_GROUP = 0u;  // which GROUP samples of the pattern
+layout(constant_id = CONSTANT_SAMPLE_GROUP) const uint SAMPLE_GROUP = 0u;  // which GROUP samples of the pattern
 
 layout(location = 0) out uvec4 out0;
 #if GROUP > 1
-layout(input_attachment_index = 0, set = 0, binding = 24) uniform usubpassInput in0;
-layout(input_attachment_index = 1, set = 0, binding = 25) uniform usubpassInput in1;
-layout(input_attachment_index = 2, set = 0, binding = 26) uniform usubpassInput in2;
-layout(input_attachment_index = 3, set = 0, binding = 27) uniform usubpassInput in3;
+layout(input_attachment_index = 0, set = 0, binding = INPUT_ATTACHMENT(0)) uniform usubpassInput in0;
+layout(input_attachment_index = 1, set = 0, binding = INPUT_ATTACHMENT(1)) uniform usubpassInput in1;
+layout(input_attachment_index = 2, set = 0, binding = INPUT_ATTACHMENT(2)) uniform usubpassInput in2;
+layout(input_attachment_index = 3, set = 0, binding = INPUT_ATTACHMENT(3)) uniform usubpassInput in3;
 layout(location = 1) out uvec4 out1;
 layout(location = 2) out uvec4 out2;
 layout(location = 3) out uvec4 out3;
 #endif
 #if GROUP > 4
-layout(input_attachment_index = 4, set = 0, binding = 28) uniform usubpassInput in4;
-layout(input_attachment_index = 5, set = 0, binding = 29) uniform usubpassInput in5;
-layout(input_attachment_index = 6, set = 0, binding = 30) uniform usubpassInput in6;
-layout(input_attachment_index = 7, set = 0, binding = 31) uniform usubpassInput in7;
+layout(input_attachment_index = 4, set = 0, binding = INPUT_ATTACHMENT(4)) uniform usubpassInput in4;
+layout(input_attachment_index = 5, set = 0, binding = INPUT_ATTACHMENT(5)) uniform usubpassInput in5;
+layout(input_attachment_index = 6, set = 0, binding = INPUT_ATTACHMENT(6)) uniform usubpassInput in6;
+layout(input_attachment_index = 7, set = 0, binding = INPUT_ATTACHMENT(7)) uniform usubpassInput in7;
 layout(location = 4) out uvec4 out4;
 layout(location = 5) out uvec4 out5;
 layout(location = 6) out uvec4 out6;

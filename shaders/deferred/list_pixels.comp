@@ -2,18 +2,18 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 // Writes the flagged pixels of each tile to their place in the list; one invocation for each tile.
-// Reads: flags (slot 0), scanned sums with the total behind the last tile. Writes: the list, and the workgroups that work
+// Reads: flags, scanned sums with the total behind the last tile. Writes: the list, and the workgroups that work
 // through it.
 layout(local_size_x = 64) in;
 #include "deferred/pixel_list.glsl"
 
-layout(set = 0, binding = 12) uniform usampler2D flags;
-layout(set = 0, binding = 1, scalar) readonly buffer Sums { uvec4 sums[]; };
-layout(set = 0, binding = 2, scalar) writeonly buffer List {
+layout(set = 0, binding = SAMPLED(DEFERRED_SLOT_FLAGS)) uniform usampler2D flags;
+layout(set = 0, binding = STORAGE(DEFERRED_SLOT_TILE_SUMS), scalar) readonly buffer Sums { uvec4 sums[]; };
+layout(set = 0, binding = STORAGE(DEFERRED_SLOT_PIXEL_LIST), scalar) writeonly buffer List {
   uint listed;
   uint list[];
 };
-layout(set = 0, binding = 3, scalar) writeonly buffer Groups { uint groups[3]; };
+layout(set = 0, binding = STORAGE(DEFERRED_SLOT_GROUPS), scalar) writeonly buffer Groups { uint groups[3]; };
 
 void main() {
   ivec2 size = textureSize(flags, 0);

@@ -4,6 +4,8 @@
 #ifndef SUBPIXEL_PIXEL_LIST_GLSL
 #define SUBPIXEL_PIXEL_LIST_GLSL
 
+#include "deferred/deferred_interface.h"
+
 const uint kTile = 8u;             // pixels along a tile's side
 const uint kPixelGroup = 64u;      // invocations of a workgroup that works through a list
 const uint kRowGroups = 65535u;    // workgroups in x before y counts on: the least maximum that Vulkan requires

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // variants: ALL= VISIBLE=-DVISIBLE REST=-DREST
 // Sums the hulls' triangles, the clipped pieces and the screen triangles of each chunk; one invocation for each chunk.
@@ -7,19 +8,15 @@
 // Reads: counts; VISIBLE, the flags and the piece bases. Writes: sums (x: hulls' triangles, y: clipped pieces, z: screen
 // triangles, pieces among them, w: small ones).
 layout(local_size_x = 64) in;
-#include "frontend/frontend_types.h"
+#include "frontend/frontend_interface.h"
 
-layout(set = 0, binding = 1, scalar) readonly buffer Counts { uint counts[]; };
-layout(set = 0, binding = 2, scalar) writeonly buffer Sums { uvec4 sums[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_COUNTS), scalar) readonly buffer Counts { uint counts[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SUMS), scalar) writeonly buffer Sums { uvec4 sums[]; };
 #ifdef VISIBLE
-layout(set = 0, binding = 4, scalar) readonly buffer PieceBases { uint piece_bases[]; };
-layout(set = 0, binding = 5, scalar) readonly buffer Visible { uint visible[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_PIECE_BASES), scalar) readonly buffer PieceBases { uint piece_bases[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_VISIBLE), scalar) readonly buffer Visible { uint visible[]; };
 #endif
-layout(push_constant, scalar) uniform Push {
-  uint chunk_count;
-  uint triangle_slots;
-  uint small_bits;  // of a count: which triangles are left to compute
-} push;
+layout(push_constant, scalar) uniform Push { ChunkSumPush push; };
 
 void main() {
   uint chunk = gl_GlobalInvocationID.x;

@@ -10,11 +10,11 @@ layout(local_size_x = 64) in;
 #include "frontend/setup.glsl"
 #include "frontend/geometry.glsl"
 
-layout(set = 0, binding = 1, scalar) readonly buffer Chunks { ChunkRecord chunks[]; };
-layout(set = 0, binding = 2, scalar) buffer Counts { uint counts[]; };
-layout(set = 0, binding = 3, scalar) readonly buffer ClipList { uint clip_slots[]; };
-layout(set = 0, binding = 5, scalar) readonly buffer ClipCount { uint clip_count; };
-layout(set = 0, binding = 4, scalar) readonly buffer PieceBases { uint piece_bases[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_CHUNKS), scalar) readonly buffer Chunks { ChunkRecord chunks[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_COUNTS), scalar) buffer Counts { uint counts[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_CLIP_LIST), scalar) readonly buffer ClipList { uint clip_slots[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_CLIP_COUNT), scalar) readonly buffer ClipCount { uint clip_count; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_PIECE_BASES), scalar) readonly buffer PieceBases { uint piece_bases[]; };
 
 const uint kMaxCorners = 9u;
 

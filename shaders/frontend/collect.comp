@@ -8,11 +8,11 @@
 // the fragments and their numbers.
 layout(local_size_x = 64) in;
 #include "include/coverage.glsl"
+#include "frontend/buffers.glsl"
 #include "frontend/fragment_lists.glsl"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(set = 0, binding = 1, scalar) readonly buffer SmallRecords { uint small_records[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SMALL_RECORDS), scalar) readonly buffer SmallRecords { uint small_records[]; };
 layout(push_constant, scalar) uniform Push { CollectPush push; };
 #include "frontend/collect_fragment.glsl"
 

@@ -5,7 +5,7 @@
 
 // Masks of up to 32 samples are made here, and pixels without a sample left out; or later, by passes whose vectors are full, and
 // the lists hold every pixel that the edges reach.
-layout(constant_id = 7) const bool WITH_MASKS = true;
+layout(constant_id = FRONTEND_CONSTANT_WITH_MASKS) const bool WITH_MASKS = true;
 
 uint listed_mask(PixelEdges edges) {
   if (WITH_MASKS) return coverage_mask(edges, SAMPLES, 0u, SAMPLES);

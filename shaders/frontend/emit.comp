@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // variants: ALL= VISIBLE=-DVISIBLE REST=-DREST
 // Writes the index buffer of the hulls in submission order and where each clipped triangle's pieces go; one invocation
@@ -8,27 +9,21 @@
 // Reads: counts, scanned sums; VISIBLE, the flags. Writes: hull indices (4 * record + corner); ALL, piece bases; REST, the
 // records of the small triangles.
 layout(local_size_x = 64) in;
-#include "frontend/frontend_types.h"
+#include "frontend/frontend_interface.h"
 
-layout(set = 0, binding = 1, scalar) readonly buffer Counts { uint counts[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec4 sums[]; };
-layout(set = 0, binding = 3, scalar) writeonly buffer HullIndices { uint hull_indices[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_COUNTS), scalar) readonly buffer Counts { uint counts[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SUMS), scalar) readonly buffer Sums { uvec4 sums[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_HULL_INDICES), scalar) writeonly buffer Hulls { uint hull_indices[]; };
 #ifdef VISIBLE
-layout(set = 0, binding = 4, scalar) readonly buffer PieceBases { uint piece_bases[]; };
-layout(set = 0, binding = 5, scalar) readonly buffer Visible { uint visible[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_PIECE_BASES), scalar) readonly buffer PieceBases { uint piece_bases[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_VISIBLE), scalar) readonly buffer Visible { uint visible[]; };
 #elif defined(REST)
-layout(set = 0, binding = 4, scalar) readonly buffer PieceBases { uint piece_bases[]; };
-layout(set = 0, binding = 5, scalar) writeonly buffer SmallRecords { uint small_records[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_PIECE_BASES), scalar) readonly buffer PieceBases { uint piece_bases[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SMALL_RECORDS), scalar) writeonly buffer SmallRecords { uint small_records[]; };
 #else
-layout(set = 0, binding = 4, scalar) writeonly buffer PieceBases { uint piece_bases[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_PIECE_BASES), scalar) writeonly buffer PieceBases { uint piece_bases[]; };
 #endif
-layout(push_constant, scalar) uniform Push {
-  uint chunk_count;
-  uint triangle_slots;
-  uint hull_capacity;
-  uint small_capacity;
-  uint small_bits;  // of a count: which triangles are listed
-} push;
+layout(push_constant, scalar) uniform Push { EmitPush push; };
 
 void main() {
   uint chunk = gl_GlobalInvocationID.x;

@@ -10,10 +10,10 @@
 #include "include/attributes.glsl"
 #include "include/material.glsl"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(constant_id = 3) const uint ALPHA_MODE = 0u;  // 0 to_coverage, 1 test, 2 per_sample
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(constant_id = CONSTANT_ALPHA_MODE) const uint ALPHA_MODE = ALPHA_MODE_TO_COVERAGE;
 
-layout(set = 0, binding = 11, scalar) readonly buffer Materials { MaterialRecord materials[]; };
+layout(set = 0, binding = STORAGE(FRAME_SLOT_MATERIALS), scalar) readonly buffer Materials { MaterialRecord materials[]; };
 
 #ifdef LISTED
 #define FLAT_INPUT(place, type, name) type name;
@@ -131,9 +131,9 @@ uint alpha_mask(uint mask, uint first, uint count, ivec2 pixel, vec2 offset) {
     vertex_alpha = vec3(v.colour.a, fragment_colour(w.dx).a, fragment_colour(w.dy).a);
   float alpha = material_alpha(m, uv, dx, dy);
   if (has_feature(FEATURE_VERTEX_COLOUR)) alpha *= vertex_alpha.x;
-  if (ALPHA_MODE == 1u) return alpha >= (blend ? 0.5 : cutoff) ? mask : 0u;
+  if (ALPHA_MODE == ALPHA_MODE_TEST) return alpha >= (blend ? 0.5 : cutoff) ? mask : 0u;
   uint left = 0u;
-  if (ALPHA_MODE == 2u) {
+  if (ALPHA_MODE == ALPHA_MODE_PER_SAMPLE) {
     for (uint i = 0u; i < count; ++i) {
       vec2 at = vec2(sample_offset(SAMPLES, first + i)) * (1.0 / 128.0) - offset;
       float a = material_alpha(m, uv + dx * at.x + dy * at.y, dx, dy);

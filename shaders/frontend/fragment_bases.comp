@@ -1,21 +1,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // variants: SUM=-DSUM BASE=-DBASE
 // From how many fragments each record has to the number of its first one, in submission order; one invocation for each chunk.
 // SUM adds up a chunk's, BASE gives each record its base once the sums are scanned.
 // Reads: counts of set-up, piece bases. Reads and writes: the records' counts or bases, the chunks' sums (x).
 layout(local_size_x = 64) in;
-#include "frontend/frontend_types.h"
+#include "frontend/frontend_interface.h"
 
-layout(set = 0, binding = 1, scalar) readonly buffer Counts { uint counts[]; };
-layout(set = 0, binding = 2, scalar) buffer Sums { uvec4 sums[]; };
-layout(set = 0, binding = 3, scalar) readonly buffer PieceBases { uint piece_bases[]; };
-layout(set = 0, binding = 4, scalar) buffer Bases { uint bases[]; };
-layout(push_constant, scalar) uniform Push {
-  uint chunk_count;
-  uint triangle_slots;
-} push;
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_COUNTS), scalar) readonly buffer Counts { uint counts[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SUMS), scalar) buffer Sums { uvec4 sums[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_PIECE_BASES), scalar) readonly buffer PieceBases { uint piece_bases[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_FRAGMENT_BASES), scalar) buffer Bases { uint bases[]; };
+layout(push_constant, scalar) uniform Push { FragmentBasesPush push; };
 
 void main() {
   uint chunk = gl_GlobalInvocationID.x;

@@ -1,30 +1,97 @@
-// What host and front-end agree on, and passes of techniques that take fragments from it: push constants and slots.
+// What host and front-end agree on, and passes of techniques that take fragments from it: push constants, slots,
+// specialization constants.
 #ifndef SUBPIXEL_FRONTEND_INTERFACE_H
 #define SUBPIXEL_FRONTEND_INTERFACE_H
 
-#include "frontend_types.h"
 #include "../include/interface.h"
+#include "../scene/scene_interface.h"
+#include "frontend_types.h"
 
-// Slots of passes over listed fragments; a technique's own begin behind them.
-#define FRONTEND_SLOT_LISTS 0  // storage, a ListAddresses
+#define FRONTEND_CONSTANT_AFTER_SMALL 7   // visibility.frag: small triangles are there
+#define FRONTEND_CONSTANT_WITH_MASKS 8    // collect.*
+#define FRONTEND_CONSTANT_LITMUS_WIDTH 9  // litmus.frag, pixels
+
+// Storage. Set-up, chunk by chunk:
+#define FRONTEND_SLOT_CHUNKS 0
+#define FRONTEND_SLOT_COUNTS 1  // of slots, COUNT_ bits
+#define FRONTEND_SLOT_SUMS 2    // of chunks, or of whatever scan.comp scans
+#define FRONTEND_SLOT_PIECE_BASES 3
+#define FRONTEND_SLOT_CLIP_LIST 4
+#define FRONTEND_SLOT_CLIP_COUNT 5
+#define FRONTEND_SLOT_HULL_INDICES 6
+#define FRONTEND_SLOT_VISIBLE 7
+// Draws:
+#define FRONTEND_SLOT_BATCHES 4
+#define FRONTEND_SLOT_COMMANDS 5
+// Small triangles:
+#define FRONTEND_SLOT_SMALL_RECORDS 4
+#define FRONTEND_SLOT_SMALL_TRIANGLES 5
+#define FRONTEND_SLOT_BLOCK_ENDS 6
+#define FRONTEND_SLOT_BLOCK_LISTS 7
+// Lists of fragments; slots of techniques' own begin behind the first.
+#define FRONTEND_SLOT_LISTS 0           // a ListAddresses
+#define FRONTEND_SLOT_FRAGMENT_BASES 4  // of records
+#define FRONTEND_SLOT_ITEMS 4           // of pixel_bases.comp
+// What tells about the device:
+#define FRONTEND_SLOT_TURNS 0
+#define FRONTEND_SLOT_LITMUS_STATES 0
 
 #ifdef __cplusplus
 namespace subpixel::gpu_types {
 #endif
 
+// Members are in frontend/buffers.glsl, those of the lists in fragment_lists.glsl.
 BUFFER_REFERENCE(Records)
-BUFFER_REFERENCE(Positions)
-BUFFER_REFERENCE(Normals)
-BUFFER_REFERENCE(Uvs)
-BUFFER_REFERENCE(Tangents)
-BUFFER_REFERENCE(Colours)
-BUFFER_REFERENCE(Indices)
 BUFFER_REFERENCE(ClipMatrices)
-BUFFER_REFERENCE(Instances)
+BUFFER_REFERENCE(HullIndices)
 BUFFER_REFERENCE(Fragments)
 BUFFER_REFERENCE(FragmentNumbers)
 BUFFER_REFERENCE(PixelEnds)
 BUFFER_REFERENCE(FragmentBases)
+
+// Of setup.comp and clip.comp.
+struct SetupPush {
+  ADDRESS(Positions) positions;
+  ADDRESS(Indices) indices;
+  ADDRESS(ClipMatrices) clip_matrices;
+  ADDRESS(Instances) instances;
+  ADDRESS(Records) records;
+  uint chunk_count;
+  uint triangle_slots;  // records of clipped pieces start here
+  uint piece_capacity;
+};
+
+struct ChunkSumPush {
+  uint chunk_count;
+  uint triangle_slots;
+  uint small_bits;  // of a count: which triangles are left to compute
+};
+
+struct EmitPush {
+  uint chunk_count;
+  uint triangle_slots;
+  uint hull_capacity;
+  uint small_capacity;
+  uint small_bits;  // of a count: which triangles are listed
+};
+
+struct DrawArgumentsPush {
+  uint batch_count;
+};
+
+struct ScanPush {
+  uint count;  // the total goes behind so many
+};
+
+struct FragmentBasesPush {
+  uint chunk_count;
+  uint triangle_slots;
+};
+
+struct PixelBasesPush {
+  uint groups;  // of 64 items
+  uint count;   // items
+};
 
 // Of hull.vert and all that fragment.glsl is part of.
 struct HullPush {
@@ -44,7 +111,21 @@ struct HullPush {
   uint last_fragment;
 };
 
-// The blocks are those of fragment_lists.glsl.
+struct ListSmallPush {
+  ADDRESS(Records) records;
+  uint count;   // small triangles
+  uint groups;  // dealt_item()
+  uint runs;
+  uint width;
+  uint height;
+};
+
+struct VisibilitySmallPush {
+  uint count;  // small triangles
+  uint width;
+  uint height;
+};
+
 struct ListAddresses {
   ADDRESS(Fragments) fragments;
   ADDRESS(FragmentNumbers) numbers;

@@ -8,21 +8,16 @@
 // Writes: COUNT, the small triangles, side by side, and how many each block has; STORE, the lists, of places among the
 // small triangles, and where each ends.
 layout(local_size_x = 64) in;
+#include "frontend/buffers.glsl"
 #include "include/coverage.glsl"
 
-layout(set = 0, binding = 1, scalar) readonly buffer SmallRecords { uint small_records[]; };
-layout(set = 0, binding = 2, scalar) buffer SmallTriangles { SmallTriangle small[]; };
-layout(set = 0, binding = 3, scalar) buffer BlockEnds { uint block_end[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SMALL_RECORDS), scalar) readonly buffer SmallRecords { uint small_records[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SMALL_TRIANGLES), scalar) buffer SmallTriangles { SmallTriangle small[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_BLOCK_ENDS), scalar) buffer BlockEnds { uint block_end[]; };
 #ifdef STORE
-layout(set = 0, binding = 4, scalar) writeonly buffer BlockLists { uint listed[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_BLOCK_LISTS), scalar) writeonly buffer BlockLists { uint listed[]; };
 #endif
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
-layout(push_constant, scalar) uniform Push {
-  Records records;
-  uint count;
-  uint groups, runs;  // dealt_item()
-  uint width, height;
-} push;
+layout(push_constant, scalar) uniform Push { ListSmallPush push; };
 
 #define WALK_CELL kBlockCell
 #include "frontend/small_triangles.glsl"

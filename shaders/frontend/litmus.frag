@@ -1,8 +1,13 @@
 #version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
 // variants: ATTACHMENT= BUFFER=-DBUFFER
 // Counts the triangles of a pixel and those that don't follow their predecessor.
-// Reads and writes: the pixel's state (next triangle expected, triangles seen, violations) in the attachment, or in storage
-// slot 0 by plain reads and writes.
+// Reads and writes: the pixel's state (next triangle expected, triangles seen, violations) in the attachment, or in a buffer by
+// plain reads and writes.
+#include "frontend/frontend_interface.h"
+
 layout(location = 0) in flat uint in_triangle;
 
 uvec4 next_state(uvec4 state) {
@@ -10,8 +15,8 @@ uvec4 next_state(uvec4 state) {
 }
 
 #ifdef BUFFER
-layout(constant_id = 0) const uint WIDTH = 256u;
-layout(set = 0, binding = 1, std430) buffer States { uvec4 states[]; };
+layout(constant_id = FRONTEND_CONSTANT_LITMUS_WIDTH) const uint WIDTH = 256u;
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_LITMUS_STATES), std430) buffer States { uvec4 states[]; };
 void main() {
   // Never taken. Without a discard lavapipe takes the triangle for opaque and drops whatever a tile that it covers had queued
   // before, storage writes and all; every pass that writes through buffers discards.
@@ -20,7 +25,7 @@ void main() {
   states[pixel] = next_state(states[pixel]);
 }
 #else
-layout(input_attachment_index = 0, set = 0, binding = 24) uniform usubpassInput in_state;
+layout(input_attachment_index = 0, set = 0, binding = INPUT_ATTACHMENT(0)) uniform usubpassInput in_state;
 layout(location = 0) out uvec4 out_state;
 void main() { out_state = next_state(subpassLoad(in_state)); }
 #endif

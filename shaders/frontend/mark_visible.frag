@@ -1,12 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // Flags the triangles that own a sample, so that attribute passes draw no others.
-// Reads: visibility (slot 0). Writes: one word for each record, 1 where it is visible.
+// Reads: visibility. Writes: one word for each record, 1 where it is visible.
+#include "frontend/frontend_interface.h"
 #include "include/visibility.glsl"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(set = 0, binding = 1, scalar) writeonly buffer Visible { uint visible[]; };
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_VISIBLE), scalar) writeonly buffer Visible { uint visible[]; };
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);

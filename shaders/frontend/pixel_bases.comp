@@ -1,16 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // variants: SUM=-DSUM BASE=-DBASE
 // From how many fragments each pixel has to where its part of the numbers begins; one invocation for 64 pixels.
 // Reads and writes: the pixels' counts, then bases; the sums (x) of each 64 of them, which are scanned in between.
 layout(local_size_x = 64) in;
-layout(set = 0, binding = 1, scalar) buffer Pixels { uint pixels[]; };
-layout(set = 0, binding = 2, scalar) buffer Sums { uvec4 sums[]; };
-layout(push_constant, scalar) uniform Push {
-  uint groups;  // of 64 pixels
-  uint count;   // pixels
-} push;
+#include "frontend/frontend_interface.h"
+
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_ITEMS), scalar) buffer Pixels { uint pixels[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SUMS), scalar) buffer Sums { uvec4 sums[]; };
+layout(push_constant, scalar) uniform Push { PixelBasesPush push; };
 
 void main() {
   uint group = gl_GlobalInvocationID.x;

@@ -1,18 +1,21 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // Exclusive prefix sums over chunks (or what else has four numbers each), in place, with the totals behind the last; one workgroup.
-// Reads and writes: sums, chunk_count + 1 entries.
+// Reads and writes: sums, one more entry than are scanned.
 layout(local_size_x = 256) in;
-layout(set = 0, binding = 1, scalar) buffer Sums { uvec4 sums[]; };
-layout(push_constant, scalar) uniform Push { uint chunk_count; } push;
+#include "frontend/frontend_interface.h"
+
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SUMS), scalar) buffer Sums { uvec4 sums[]; };
+layout(push_constant, scalar) uniform Push { ScanPush push; };
 
 shared uvec4 block[256];
 
 void main() {
   uint lane = gl_LocalInvocationID.x;
-  uint share = (push.chunk_count + 255u) / 256u;
-  uint first = min(lane * share, push.chunk_count), last = min(first + share, push.chunk_count);
+  uint share = (push.count + 255u) / 256u;
+  uint first = min(lane * share, push.count), last = min(first + share, push.count);
   uvec4 sum = uvec4(0u);
   for (uint i = first; i < last; ++i) sum += sums[i];
   block[lane] = sum;
@@ -24,7 +27,7 @@ void main() {
       block[i] = running;
       running += own;
     }
-    sums[push.chunk_count] = running;
+    sums[push.count] = running;
   }
   barrier();
   uvec4 running = block[lane];

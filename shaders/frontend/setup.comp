@@ -9,10 +9,10 @@ layout(local_size_x = 64) in;
 #include "frontend/setup.glsl"
 #include "frontend/geometry.glsl"
 
-layout(set = 0, binding = 1, scalar) readonly buffer Chunks { ChunkRecord chunks[]; };
-layout(set = 0, binding = 2, scalar) writeonly buffer Counts { uint counts[]; };
-layout(set = 0, binding = 3, scalar) writeonly buffer ClipList { uint clip_slots[]; };
-layout(set = 0, binding = 5, scalar) buffer ClipCount { uint clip_count; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_CHUNKS), scalar) readonly buffer Chunks { ChunkRecord chunks[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_COUNTS), scalar) writeonly buffer Counts { uint counts[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_CLIP_LIST), scalar) writeonly buffer ClipList { uint clip_slots[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_CLIP_COUNT), scalar) buffer ClipCount { uint clip_count; };
 
 void main() {
   uint chunk_index = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;

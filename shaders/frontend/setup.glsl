@@ -1,5 +1,5 @@
 // Triangle set-up shared by the pass that sets up whole triangles and the one that sets up clipped pieces.
-// Reads: frame constants; specialization constant 0, samples per pixel. Writes: nothing; returns a TriangleRecord.
+// Reads: frame constants; SAMPLES. Writes: nothing; returns a TriangleRecord.
 #ifndef SUBPIXEL_SETUP_GLSL
 #define SUBPIXEL_SETUP_GLSL
 
@@ -7,7 +7,7 @@
 #include "include/coverage.glsl"
 #include "frontend/small_triangles.glsl"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 
 // How far a sample of the pattern can lie from the pixel's centre, pixels, with 1/64 pixel for the rasteriser's own snapping and
 // the rounding of the hull's corners.

@@ -10,29 +10,29 @@
 #include "frontend/fragment.glsl"
 
 #if GROUP <= 2
-layout(input_attachment_index = 0, set = 0, binding = 24) uniform usubpassInput in_state;
+layout(input_attachment_index = 0, set = 0, binding = INPUT_ATTACHMENT(0)) uniform usubpassInput in_state;
 layout(location = 0) out uvec4 out_state;
 #else
-layout(input_attachment_index = 0, set = 0, binding = 24) uniform usubpassInput in_depth0;
+layout(input_attachment_index = 0, set = 0, binding = INPUT_ATTACHMENT(0)) uniform usubpassInput in_depth0;
 layout(location = 0) out uvec4 out_depth0;
 #if GROUP == 4
-layout(input_attachment_index = 1, set = 0, binding = 25) uniform usubpassInput in_id0;
+layout(input_attachment_index = 1, set = 0, binding = INPUT_ATTACHMENT(1)) uniform usubpassInput in_id0;
 layout(location = 1) out uvec4 out_id0;
 #elif GROUP == 8
-layout(input_attachment_index = 1, set = 0, binding = 25) uniform usubpassInput in_depth1;
-layout(input_attachment_index = 2, set = 0, binding = 26) uniform usubpassInput in_id0;
-layout(input_attachment_index = 3, set = 0, binding = 27) uniform usubpassInput in_id1;
+layout(input_attachment_index = 1, set = 0, binding = INPUT_ATTACHMENT(1)) uniform usubpassInput in_depth1;
+layout(input_attachment_index = 2, set = 0, binding = INPUT_ATTACHMENT(2)) uniform usubpassInput in_id0;
+layout(input_attachment_index = 3, set = 0, binding = INPUT_ATTACHMENT(3)) uniform usubpassInput in_id1;
 layout(location = 1) out uvec4 out_depth1;
 layout(location = 2) out uvec4 out_id0;
 layout(location = 3) out uvec4 out_id1;
 #else
-layout(input_attachment_index = 1, set = 0, binding = 25) uniform usubpassInput in_depth1;
-layout(input_attachment_index = 2, set = 0, binding = 26) uniform usubpassInput in_depth2;
-layout(input_attachment_index = 3, set = 0, binding = 27) uniform usubpassInput in_depth3;
-layout(input_attachment_index = 4, set = 0, binding = 28) uniform usubpassInput in_id0;
-layout(input_attachment_index = 5, set = 0, binding = 29) uniform usubpassInput in_id1;
-layout(input_attachment_index = 6, set = 0, binding = 30) uniform usubpassInput in_id2;
-layout(input_attachment_index = 7, set = 0, binding = 31) uniform usubpassInput in_id3;
+layout(input_attachment_index = 1, set = 0, binding = INPUT_ATTACHMENT(1)) uniform usubpassInput in_depth1;
+layout(input_attachment_index = 2, set = 0, binding = INPUT_ATTACHMENT(2)) uniform usubpassInput in_depth2;
+layout(input_attachment_index = 3, set = 0, binding = INPUT_ATTACHMENT(3)) uniform usubpassInput in_depth3;
+layout(input_attachment_index = 4, set = 0, binding = INPUT_ATTACHMENT(4)) uniform usubpassInput in_id0;
+layout(input_attachment_index = 5, set = 0, binding = INPUT_ATTACHMENT(5)) uniform usubpassInput in_id1;
+layout(input_attachment_index = 6, set = 0, binding = INPUT_ATTACHMENT(6)) uniform usubpassInput in_id2;
+layout(input_attachment_index = 7, set = 0, binding = INPUT_ATTACHMENT(7)) uniform usubpassInput in_id3;
 layout(location = 1) out uvec4 out_depth1;
 layout(location = 2) out uvec4 out_depth2;
 layout(location = 3) out uvec4 out_depth3;
@@ -43,9 +43,9 @@ layout(location = 7) out uvec4 out_id3;
 #endif
 #endif
 
-layout(constant_id = 4) const uint SAMPLE_GROUP = 0u;  // which GROUP samples of the pattern
+layout(constant_id = CONSTANT_SAMPLE_GROUP) const uint SAMPLE_GROUP = 0u;  // which GROUP samples of the pattern
 // The attachments hold small triangles already (small.comp), of which those submitted later lose equal depths.
-layout(constant_id = 7) const bool AFTER_SMALL = false;
+layout(constant_id = FRONTEND_CONSTANT_AFTER_SMALL) const bool AFTER_SMALL = false;
 
 uvec4 plane_depths(uint first, DepthPlane plane) {
   uvec4 z;

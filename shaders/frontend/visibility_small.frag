@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
@@ -9,17 +10,15 @@
 // have the records of their slots.
 // Reads: lists by block, small triangles. Writes: the attachments, as visibility.frag does.
 #include "include/coverage.glsl"
+#include "frontend/frontend_interface.h"
 #include "frontend/small_triangles.glsl"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(constant_id = 4) const uint SAMPLE_GROUP = 0u;
-layout(set = 0, binding = 1, scalar) readonly buffer SmallTriangles { uint small_words[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer BlockEnds { uint block_end[]; };
-layout(set = 0, binding = 3, scalar) readonly buffer BlockLists { uint listed[]; };
-layout(push_constant, scalar) uniform Push {
-  uint count;  // small triangles
-  uint width, height;
-} push;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(constant_id = CONSTANT_SAMPLE_GROUP) const uint SAMPLE_GROUP = 0u;
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SMALL_TRIANGLES), scalar) readonly buffer SmallTriangles { uint small_words[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_BLOCK_ENDS), scalar) readonly buffer BlockEnds { uint block_end[]; };
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_BLOCK_LISTS), scalar) readonly buffer BlockLists { uint listed[]; };
+layout(push_constant, scalar) uniform Push { VisibilitySmallPush push; };
 #if GROUP < 4
 layout(location = 0) out uvec4 out_state;
 #else

@@ -1,15 +1,13 @@
 // How a surface scatters the light of one direction: glTF metallic-roughness (GGX, height-correlated Smith, Schlick,
 // Lambert; Khronos glTF 2.0 appendix B), or Blinn-Phong as the AGAA paper shades with.
-// Reads: specialization constant 2, SHADING_MODEL; FEATURES. No branches: lavapipe runs both sides anyway.
+// Reads: SHADING_MODEL, FEATURES. No branches: lavapipe runs both sides anyway.
 #ifndef SUBPIXEL_BRDF_GLSL
 #define SUBPIXEL_BRDF_GLSL
 
 #include "include/frame.glsl"
 #include "include/surface.glsl"
 
-#define SHADING_MODEL_GGX 0u
-#define SHADING_MODEL_BLINN_PHONG 1u
-layout(constant_id = 2) const uint SHADING_MODEL = SHADING_MODEL_GGX;
+layout(constant_id = CONSTANT_SHADING_MODEL) const uint SHADING_MODEL = SHADING_MODEL_GGX;
 
 const float kPi = 3.14159265358979;
 // Lights are points and directions, so a mirror would be a highlight of no size: the roughness floor keeps alpha^2 at

@@ -1,14 +1,15 @@
 // The frame's constants and the scene's features, shared by all passes.
-// Reads: uniform buffer at set 0, binding 0; specialization constant 1.
+// Reads: the uniform buffer, FEATURES.
 // Needs `#extension GL_GOOGLE_include_directive : require` in the including shader, as all files of this folder do.
 #ifndef SUBPIXEL_FRAME_GLSL
 #define SUBPIXEL_FRAME_GLSL
 
+#include "include/interface.h"
 #include "include/shared_types.h"
 
-layout(constant_id = 1) const uint FEATURES = 0xffffffffu;
+layout(constant_id = CONSTANT_FEATURES) const uint FEATURES = 0xffffffffu;
 
-layout(set = 0, binding = 0, std140) uniform FrameBlock { FrameConstants frame; };
+layout(set = 0, binding = UNIFORM_BINDING, std140) uniform FrameBlock { FrameConstants frame; };
 
 bool has_feature(uint feature) { return (FEATURES & feature) != 0u; }
 

@@ -26,12 +26,21 @@
 #define CONSTANT_GROUP_SAMPLES 6
 #define PASS_CONSTANTS 7
 
-// Slots that the frame's own resources have in every pass.
-#define FRAME_SLOT_SPOT_CONES 8     // storage
-#define FRAME_SLOT_UV_MAPPINGS 9    // storage
-#define FRAME_SLOT_MATERIALS 10     // storage, of passes over fragments
-#define FRAME_SLOT_SHADOW_MAP 7     // sampled
-#define FRAME_SLOT_VISIBILITY 0     // sampled, of passes after the visibility pass
+// 1 where `bits` have the bit, else 0: for sizes that follow from constants.
+#define BIT_OF(bits, bit) (((bits) / (bit)) & 1u)
+
+// Slots that the frame's own resources have in every pass; its constants are the uniform buffer.
+#define FRAME_SLOT_SPOT_CONES 8   // storage
+#define FRAME_SLOT_UV_MAPPINGS 9  // storage
+#define FRAME_SLOT_MATERIALS 10   // storage, of passes over fragments
+#define FRAME_SLOT_SHADOW_MAP 7   // sampled
+#define FRAME_SLOT_VISIBILITY 0   // sampled, of passes after the visibility pass
+
+// Bindings of set 1: the textures of one material, in the order of textures_of() (replay/scene/materials.hpp).
+#define MATERIAL_SLOT_BASE_COLOUR 0
+#define MATERIAL_SLOT_METALLIC_ROUGHNESS 1
+#define MATERIAL_SLOT_NORMAL 2
+#define MATERIAL_SLOT_EMISSIVE 3
 
 #define SHADING_MODEL_GGX 0u
 #define SHADING_MODEL_BLINN_PHONG 1u

@@ -1,6 +1,5 @@
 // The radiance a surface sends to the eye: sun with shadow map, point lights, ambient, emission.
-// Reads: frame constants; the shadow map, sampled slot 7 (set 0, binding 19), when the scene has shadows; the cones,
-// storage slot 8, when lights have them.
+// Reads: frame constants; the shadow map, when the scene has shadows; the cones, when lights have them.
 // Returns linear radiance, finite and not negative for every finite surface; a normal of no length is lit as if it
 // faced the viewer, other values are clamped as brdf.glsl says.
 #ifndef SUBPIXEL_LIGHTS_GLSL
@@ -9,8 +8,8 @@
 #include "include/frame.glsl"
 #include "include/brdf.glsl"
 
-layout(set = 0, binding = 19) uniform sampler2D shadow_map;
-layout(set = 0, binding = 9, std430) readonly buffer SpotCones { SpotConeConstants spot_cones[]; };
+layout(set = 0, binding = SAMPLED(FRAME_SLOT_SHADOW_MAP)) uniform sampler2D shadow_map;
+layout(set = 0, binding = STORAGE(FRAME_SLOT_SPOT_CONES), std430) readonly buffer SpotCones { SpotConeConstants spot_cones[]; };
 
 // Below this fraction of its range a point light gets no brighter.
 const float kInnermostFraction = 0.01;

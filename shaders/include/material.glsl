@@ -1,16 +1,16 @@
 // Material textures and factors at one point of a surface.
-// Reads: set 1, the material's textures (white where it has none); where textures are transformed, storage slot 9.
+// Reads: set 1, the material's textures (white where it has none); the mappings, where textures are transformed.
 // FEATURES removes what no material of the scene has.
 #ifndef SUBPIXEL_MATERIAL_GLSL
 #define SUBPIXEL_MATERIAL_GLSL
 
 #include "include/material_factors.glsl"
 
-layout(set = 1, binding = 0) uniform sampler2D base_colour_texture;
-layout(set = 1, binding = 1) uniform sampler2D metallic_roughness_texture;
-layout(set = 1, binding = 2) uniform sampler2D normal_texture;
-layout(set = 1, binding = 3) uniform sampler2D emissive_texture;
-layout(set = 0, binding = 10, std430) readonly buffer UvMappings { UvMappingRecord uv_mappings[]; };
+layout(set = 1, binding = MATERIAL_SLOT_BASE_COLOUR) uniform sampler2D base_colour_texture;
+layout(set = 1, binding = MATERIAL_SLOT_METALLIC_ROUGHNESS) uniform sampler2D metallic_roughness_texture;
+layout(set = 1, binding = MATERIAL_SLOT_NORMAL) uniform sampler2D normal_texture;
+layout(set = 1, binding = MATERIAL_SLOT_EMISSIVE) uniform sampler2D emissive_texture;
+layout(set = 0, binding = STORAGE(FRAME_SLOT_UV_MAPPINGS), std430) readonly buffer UvMappings { UvMappingRecord uv_mappings[]; };
 
 // Where a texture is read, and its change per pixel in x and y.
 struct TextureCoordinates {

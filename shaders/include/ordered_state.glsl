@@ -1,8 +1,10 @@
 // Where a fragment finds its pixel's state: quad() and set_quad() for its STATE_QUADS quads of words, in attachments or in a
 // buffer. Define ATTACHMENTS (0: buffer) and STATE_QUADS before it.
-// Reads and writes: the attachments, or the buffer whose address storage slot 0 holds.
+// Reads and writes: the attachments, or the buffer whose address ORDERED_SLOT_ADDRESS holds.
 #ifndef SUBPIXEL_ORDERED_STATE_GLSL
 #define SUBPIXEL_ORDERED_STATE_GLSL
+
+#include "include/ordered_state.h"
 
 // With INTERLOCK the device orders what stands between begin_ordered() and end_ordered() (VK_EXT_fragment_shader_interlock).
 #ifdef INTERLOCK
@@ -15,26 +17,26 @@ layout(pixel_interlock_ordered) in;
 #endif
 
 #if ATTACHMENTS > 0
-#define STATE(i, bind)                                                                            \
-  layout(input_attachment_index = i, set = 0, binding = bind) uniform usubpassInput in_state##i; \
+#define STATE(i)                                                                                               \
+  layout(input_attachment_index = i, set = 0, binding = INPUT_ATTACHMENT(i)) uniform usubpassInput in_state##i; \
   layout(location = i) out uvec4 out_state##i;
-STATE(0, 24)
-STATE(1, 25)
-STATE(2, 26)
+STATE(0)
+STATE(1)
+STATE(2)
 #if ATTACHMENTS > 3
-STATE(3, 27)
+STATE(3)
 #endif
 #if ATTACHMENTS > 4
-STATE(4, 28)
+STATE(4)
 #endif
 #if ATTACHMENTS > 5
-STATE(5, 29)
+STATE(5)
 #endif
 #if ATTACHMENTS > 6
-STATE(6, 30)
+STATE(6)
 #endif
 #if ATTACHMENTS > 7
-STATE(7, 31)
+STATE(7)
 #endif
 
 void find_state(ivec2 pixel) {}
@@ -85,11 +87,12 @@ void set_quad(uint i, uvec4 value) {
 
 #else
 #ifdef INTERLOCK
-layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer StateQuads { uvec4 quads[]; };
+#define STATE_ACCESS coherent
 #else
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer StateQuads { uvec4 quads[]; };
+#define STATE_ACCESS
 #endif
-layout(set = 0, binding = 1, scalar) readonly buffer StateAddress { StateQuads state; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) STATE_ACCESS buffer StateQuads { uvec4 quads[]; };
+layout(set = 0, binding = STORAGE(ORDERED_SLOT_ADDRESS), scalar) readonly buffer StateAddress { StateQuads state; };
 
 uint first_quad;
 void find_state(ivec2 pixel) { first_quad = (uint(pixel.y) * uint(frame.viewport.x) + uint(pixel.x)) * STATE_QUADS; }

@@ -7,11 +7,11 @@
 #define SUBPIXEL_PACKING_GLSL
 
 #include "include/frame.glsl"
+#include "include/rounding.glsl"
 #include "include/surface.glsl"
 
-// Rounds to nearest, ties to even, as packUnorm4x8() does, for |x| < 2^22: the low bits of x + 1.5 * 2^23. Of them the lowest 16
-// are right for negative x too. lavapipe converts floats to integers lane by lane.
-uint rounded(float x) { return floatBitsToUint(x + 12582912.0) & 0xffffu; }
+// Rounds as packUnorm4x8() does.
+uint rounded(float x) { return round_to_even(x) & 0xffffu; }
 
 uint pack_unorm4x8(vec4 v) {
   v = clamp(v, 0.0, 1.0) * 255.0;

@@ -1,11 +1,11 @@
-// How shaded samples add up to a pixel: linear radiance, or values already tone-mapped (specialization constant 5).
+// How shaded samples add up to a pixel: linear radiance, or values already tone-mapped (RESOLVE_TONE_MAPPED).
 // Reads: frame constants.
 #ifndef SUBPIXEL_RESOLVE_GLSL
 #define SUBPIXEL_RESOLVE_GLSL
 
 #include "include/tone.glsl"
 
-layout(constant_id = 5) const uint RESOLVE_TONE_MAPPED = 0u;
+layout(constant_id = CONSTANT_RESOLVE) const uint RESOLVE_TONE_MAPPED = 0u;
 
 // What one sample of radiance contributes to the pixel's sum.
 vec3 resolvable(vec3 radiance) {

@@ -16,7 +16,7 @@ using glm::vec4;
 // Shadow maps of growing reach around the eye, in the quadrants of one image: 0 1 over 2 3.
 #define SUBPIXEL_SHADOW_CASCADES 4
 
-// What a scene needs, as bits of specialization constant 1 and of SceneFeatures. A clear bit removes the code.
+// What a scene needs, as bits of the specialization constant FEATURES and of SceneFeatures. A clear bit removes the code.
 #define FEATURE_BASE_TEXTURE 1u       // some material has a base colour texture
 #define FEATURE_ALPHA_TEST 2u         // some material discards by alpha
 #define FEATURE_NORMAL_MAP 4u

@@ -1,12 +1,13 @@
 // Reads the visibility image: depth bits and triangle of each sample of a pixel.
-// Reads: sampled slot 0. Layers as visibility.frag writes them: groups of up to 16 samples, each group its depths, then its
+// Reads: visibility. Layers as visibility.frag writes them: groups of up to 16 samples, each group its depths, then its
 // triangles, four samples in a texel. Two samples share one texel, both depths and both triangles.
 #ifndef SUBPIXEL_VISIBILITY_GLSL
 #define SUBPIXEL_VISIBILITY_GLSL
 
 #include "frontend/frontend_types.h"
+#include "include/interface.h"
 
-layout(set = 0, binding = 12) uniform usampler2DArray visibility;
+layout(set = 0, binding = SAMPLED(FRAME_SLOT_VISIBILITY)) uniform usampler2DArray visibility;
 
 // Samples 4 quad .. 4 quad + 3 of n >= 2; of those beyond n, depth 0 and no triangle.
 uvec4 visible_depths(ivec2 pixel, uint n, uint quad) {

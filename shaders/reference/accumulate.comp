@@ -10,11 +10,11 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "include/tone.glsl"
 #include "reference/textures.glsl"
 
-layout(constant_id = 3) const uint TONE_MAP_SAMPLES = 0u;  // 1: also sum the display values of shading samples
-layout(set = 0, binding = 12) uniform usampler2D visibility;
+layout(constant_id = REFERENCE_CONSTANT_TONE_MAP_SAMPLES) const uint TONE_MAP_SAMPLES = 0u;
+layout(set = 0, binding = SAMPLED(REFERENCE_SLOT_SEEN)) uniform usampler2D visibility;
 
 vec3 normal_of(ReferenceTriangle t, vec3 local) {
-  InstanceRecord instance = instances.at[t.source.y];
+  InstanceRecord instance = push.instances.at[t.source.y];
   vec3 normal = vec3(dot(instance.normal_row[0].xyz, local), dot(instance.normal_row[1].xyz, local),
                      dot(instance.normal_row[2].xyz, local));
   normal *= inversesqrt(max(dot(normal, normal), 1e-30));
@@ -22,8 +22,8 @@ vec3 normal_of(ReferenceTriangle t, vec3 local) {
 }
 
 vec4 tangent_of(ReferenceTriangle t, uvec3 vertex, vec3 weight) {
-  vec4 local = weight.x * tangents.at[vertex.x] + weight.y * tangents.at[vertex.y] + weight.z * tangents.at[vertex.z];
-  InstanceRecord instance = instances.at[t.source.y];
+  vec4 local = weight.x * push.tangents.at[vertex.x] + weight.y * push.tangents.at[vertex.y] + weight.z * push.tangents.at[vertex.z];
+  InstanceRecord instance = push.instances.at[t.source.y];
   vec4 tangent = vec4(dot(instance.world_row[0].xyz, local.xyz), dot(instance.world_row[1].xyz, local.xyz),
                       dot(instance.world_row[2].xyz, local.xyz), sign(local.w) * instance.normal_row[0].w);
   return (t.source.w & REFERENCE_BACK_FACE) != 0u ? -tangent : tangent;
@@ -31,11 +31,11 @@ vec4 tangent_of(ReferenceTriangle t, uvec3 vertex, vec3 weight) {
 
 // The radiance a triangle sends from `point`, pixels.
 vec3 shade_at(uint number, vec2 point) {
-  ReferenceTriangle t = triangles.at[number];
+  ReferenceTriangle t = push.triangles.at[number];
   uvec3 vertex = vertices_of(t);
   Weights w = weights_at(number, point);
-  vec3 local_normal = w.value.x * normals.at[vertex.x] + w.value.y * normals.at[vertex.y] +
-                      w.value.z * normals.at[vertex.z];
+  vec3 local_normal = w.value.x * push.normals.at[vertex.x] + w.value.y * push.normals.at[vertex.y] +
+                      w.value.z * push.normals.at[vertex.z];
   MaterialTexels texel = MaterialTexels(vec4(1.0), vec2(1.0), vec3(1.0), vec3(1.0));
   const uint kTextured =
       FEATURE_BASE_TEXTURE | FEATURE_ROUGHNESS_TEXTURE | FEATURE_NORMAL_MAP | FEATURE_EMISSIVE_TEXTURE;
@@ -82,11 +82,11 @@ void main() {
     if (TONE_MAP_SAMPLES != 0u) display += count * display_from_radiance(shaded);
   }
   uint place = pixel.y * size.x + pixel.x;
-  vec3 sum = sums.at[place].rgb;
-  precise vec3 term = radiance * 0.25 - compensation.at[place].rgb;
+  vec3 sum = push.sums.at[place].rgb;
+  precise vec3 term = radiance * 0.25 - push.compensation.at[place].rgb;
   precise vec3 next = sum + term;
   precise vec3 lost = (next - sum) - term;
-  sums.at[place] = vec4(next, 0.0);
-  compensation.at[place] = vec4(lost, 0.0);
-  if (TONE_MAP_SAMPLES != 0u) display_sums.at[place] += vec4(display * 0.25, 0.0);
+  push.sums.at[place] = vec4(next, 0.0);
+  push.compensation.at[place] = vec4(lost, 0.0);
+  if (TONE_MAP_SAMPLES != 0u) push.display_sums.at[place] += vec4(display * 0.25, 0.0);
 }

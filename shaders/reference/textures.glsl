@@ -15,7 +15,7 @@ vec3 srgb_decode(vec3 s) {
 }
 
 vec4 texel_of(uvec4 place, uint x, uint y) {
-  vec4 value = unpackUnorm4x8(texels.at[place.x + y * place.y + x]);
+  vec4 value = unpackUnorm4x8(push.texels.at[place.x + y * place.y + x]);
   return vec4((place.w & LEVEL_SRGB) != 0u ? srgb_decode(value.rgb) : value.rgb, value.a);
 }
 

@@ -6,7 +6,8 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #include "include/frame.glsl"
-#include "reference/reference_types.h"
+#include "include/shared_types.h"
+#include "reference/reference_interface.h"
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Corners { vec4 at[]; };
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Triangles { ReferenceTriangle at[]; };
@@ -17,27 +18,13 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vec
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Instances { InstanceRecord at[]; };
 layout(buffer_reference, std430, buffer_reference_align = 16) buffer Pixels { vec4 at[]; };
 
-layout(push_constant, scalar) uniform Push {
-  Corners corners;
-  Triangles triangles;
-  Words indices;
-  Vectors3 normals;
-  Vectors2 uvs;
-  Vectors4 tangents;
-  Instances instances;
-  Words texels;
-  Pixels sums;           // of linear radiance over the turns
-  Pixels compensation;   // what the sums lost to rounding
-  Pixels display_sums;   // of tone-mapped shading samples
-  Vectors2 second_uvs;
-  Vectors4 colours;
-};
+layout(push_constant, scalar) uniform Push { ReferencePush push; };
 
-layout(set = 0, binding = 1, std430) readonly buffer Turn { TurnConstants turn; };
-layout(set = 0, binding = 2, std430) readonly buffer Materials { MaterialRecord materials[]; };
-layout(set = 0, binding = 3, std430) readonly buffer Levels { TextureLevel levels[]; };
-layout(set = 0, binding = 4, std430) readonly buffer MaterialTextures { uvec4 material_textures[]; };
-layout(set = 0, binding = 5, std430) readonly buffer UvMappings { UvMappingRecord uv_mappings[]; };
+layout(set = 0, binding = STORAGE(REFERENCE_SLOT_TURN), std430) readonly buffer Turn { TurnConstants turn; };
+layout(set = 0, binding = STORAGE(FRAME_SLOT_MATERIALS), std430) readonly buffer Materials { MaterialRecord materials[]; };
+layout(set = 0, binding = STORAGE(REFERENCE_SLOT_LEVELS), std430) readonly buffer Levels { TextureLevel levels[]; };
+layout(set = 0, binding = STORAGE(REFERENCE_SLOT_MATERIAL_TEXTURES), std430) readonly buffer MaterialTextures { uvec4 material_textures[]; };
+layout(set = 0, binding = STORAGE(FRAME_SLOT_UV_MAPPINGS), std430) readonly buffer UvMappings { UvMappingRecord uv_mappings[]; };
 
 // Where sample `s` of this turn lies in its pixel: samples 0 1 over 2 3, each somewhere in its quarter.
 vec2 sample_place(uint s) { return 0.25 + 0.5 * vec2(s & 1u, s >> 1) - turn.shift.xy; }
@@ -52,7 +39,7 @@ struct Weights {
 // `point` in pixels. The weights are ratios of determinants of homogeneous corners, moved so that the point is the
 // origin, which keeps small triangles exact and needs no clipping (Olano and Greer 1997).
 Weights weights_at(uint triangle, vec2 point) {
-  vec4 p0 = corners.at[3u * triangle], p1 = corners.at[3u * triangle + 1u], p2 = corners.at[3u * triangle + 2u];
+  vec4 p0 = push.corners.at[3u * triangle], p1 = push.corners.at[3u * triangle + 1u], p2 = push.corners.at[3u * triangle + 2u];
   vec2 ndc = point * frame.viewport.zw * 2.0 - 1.0;
   vec2 a = p0.xy - ndc * p0.w, b = p1.xy - ndc * p1.w, c = p2.xy - ndc * p2.w;
   vec3 raw = vec3(b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x, a.x * b.y - a.y * b.x);
@@ -88,9 +75,9 @@ Coordinates interpolated(vec2 a, vec2 b, vec2 c, Weights w) {
 
 // Where texture `which` of material `material` (its number in material_textures) is read.
 Coordinates coordinates_of(uvec3 vertex, Weights w, uint material, uint which) {
-  Coordinates c = interpolated(uvs.at[vertex.x], uvs.at[vertex.y], uvs.at[vertex.z], w);
+  Coordinates c = interpolated(push.uvs.at[vertex.x], push.uvs.at[vertex.y], push.uvs.at[vertex.z], w);
   if (has_feature(FEATURE_SECOND_UV)) {
-    Coordinates second = interpolated(second_uvs.at[vertex.x], second_uvs.at[vertex.y], second_uvs.at[vertex.z], w);
+    Coordinates second = interpolated(push.second_uvs.at[vertex.x], push.second_uvs.at[vertex.y], push.second_uvs.at[vertex.z], w);
     if ((materials[material].flags.x & (MATERIAL_SECOND_UV << which)) != 0u) c = second;
   }
   if (has_feature(FEATURE_TEXTURE_TRANSFORM)) {
@@ -104,12 +91,12 @@ Coordinates coordinates_of(uvec3 vertex, Weights w, uint material, uint which) {
 }
 
 vec4 colour_of(uvec3 vertex, Weights w) {
-  return w.value.x * colours.at[vertex.x] + w.value.y * colours.at[vertex.y] + w.value.z * colours.at[vertex.z];
+  return w.value.x * push.colours.at[vertex.x] + w.value.y * push.colours.at[vertex.y] + w.value.z * push.colours.at[vertex.z];
 }
 
 uvec3 vertices_of(ReferenceTriangle t) {
   uint first = t.source.x;
-  return uvec3(indices.at[first], indices.at[first + 1u], indices.at[first + 2u]);
+  return uvec3(push.indices.at[first], push.indices.at[first + 1u], push.indices.at[first + 2u]);
 }
 
 #endif

@@ -40,7 +40,7 @@ float blend_threshold(uint number, uint sample_number) {
 void main() {
   seen = triangle;
 #ifdef TESTED
-  ReferenceTriangle t = triangles.at[triangle - 1u];
+  ReferenceTriangle t = push.triangles.at[triangle - 1u];
   MaterialRecord m = materials[t.source.z];
   uvec2 texel = uvec2(gl_FragCoord.xy);
   uint s = (texel.x & 1u) | (texel.y & 1u) << 1;

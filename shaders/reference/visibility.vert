@@ -8,7 +8,7 @@
 layout(location = 0) flat out uint triangle;
 
 void main() {
-  vec4 clip = corners.at[gl_VertexIndex];
+  vec4 clip = push.corners.at[gl_VertexIndex];
   gl_Position = vec4(clip.xy + clip.w * turn.shift.zw, clip.zw);
   triangle = uint(gl_VertexIndex) / 3u + 1u;
 }

@@ -4,18 +4,20 @@
 // Writes: depth, unless discarded.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #include "include/material.glsl"
+#include "scene/buffers.glsl"
 
-layout(set = 0, binding = 1, std430) readonly buffer Materials { MaterialRecord materials[]; };
-layout(push_constant, scalar) uniform Push { layout(offset = 96) uint material; };
+layout(set = 0, binding = STORAGE(FRAME_SLOT_MATERIALS), std430) readonly buffer Materials { MaterialRecord materials[]; };
+layout(push_constant, scalar) uniform Push { ShadowPush push; };
 layout(location = 0) in vec2 uv;
 #ifdef COLOURED
 layout(location = 1) in float vertex_alpha;
 #endif
 
 void main() {
-  MaterialRecord m = materials[material];
+  MaterialRecord m = materials[push.material];
   VertexInputs v;
   v.first = TextureCoordinates(uv, dFdx(uv), dFdy(uv));
   v.second = v.first;

@@ -6,21 +6,9 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-#include "include/shared_types.h"
+#include "scene/buffers.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Positions { vec3 at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Uvs { vec2 at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Colours { vec4 at[]; };
-layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Instances { InstanceRecord at[]; };
-
-layout(push_constant, scalar) uniform Push {
-  mat4 world_to_clip;
-  Positions positions;
-  Uvs uvs;  // those that the material's base colour is read by
-  Instances instances;
-  Colours colours;
-  uint material;
-};
+layout(push_constant, scalar) uniform Push { ShadowPush push; };
 
 #ifdef TESTED
 layout(location = 0) out vec2 uv;
@@ -30,15 +18,15 @@ layout(location = 1) out float alpha;
 #endif
 
 void main() {
-  vec4 local = vec4(positions.at[gl_VertexIndex], 1.0);
-  vec4 row0 = instances.at[gl_InstanceIndex].world_row[0];
-  vec4 row1 = instances.at[gl_InstanceIndex].world_row[1];
-  vec4 row2 = instances.at[gl_InstanceIndex].world_row[2];
-  gl_Position = world_to_clip * vec4(dot(row0, local), dot(row1, local), dot(row2, local), 1.0);
+  vec4 local = vec4(push.positions.position[gl_VertexIndex], 1.0);
+  vec4 row0 = push.instances.instance[gl_InstanceIndex].world_row[0];
+  vec4 row1 = push.instances.instance[gl_InstanceIndex].world_row[1];
+  vec4 row2 = push.instances.instance[gl_InstanceIndex].world_row[2];
+  gl_Position = push.world_to_clip * vec4(dot(row0, local), dot(row1, local), dot(row2, local), 1.0);
 #ifdef TESTED
-  uv = uvs.at[gl_VertexIndex];
+  uv = push.uvs.uv[gl_VertexIndex];
 #endif
 #ifdef COLOURED
-  alpha = colours.at[gl_VertexIndex].a;
+  alpha = push.colours.colour[gl_VertexIndex].a;
 #endif
 }

@@ -1,5 +1,5 @@
 // The value of one sample of a G-buffer of full samples, lit or sky.
-// Reads: visibility (slot 0), G-buffer (slot 1, one layer for each sample it holds), shadow map. Needs lights.glsl's frame.
+// Reads: visibility, G-buffer (one layer for each sample it holds), shadow map. Needs lights.glsl's frame.
 #ifndef SUBPIXEL_FULL_SAMPLE_GLSL
 #define SUBPIXEL_FULL_SAMPLE_GLSL
 
@@ -8,9 +8,10 @@
 #include "include/visibility.glsl"
 #include "include/resolve.glsl"
 #include "frontend/sample_patterns.h"
+#include "shade/shade_interface.h"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(set = 0, binding = 13) uniform usampler2DArray gbuffer;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(set = 0, binding = SAMPLED(SHADE_SLOT_GBUFFER)) uniform usampler2DArray gbuffer;
 
 // rgb the resolvable value, a the lighting executions, 1 or 0; `layer` of the G-buffer holds sample s.
 vec4 full_sample_value(ivec2 pixel, uint s, uint layer) {

@@ -1,11 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The final images of a pixel from the sum over its samples.
-// Reads: slot 0, rgb the sum, a the lighting executions. Writes: linear radiance with the executions in a; display values.
+// Reads: rgb the sum, a the lighting executions. Writes: linear radiance with the executions in a; display values.
 #include "include/resolve.glsl"
+#include "shade/shade_interface.h"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(set = 0, binding = 12) uniform sampler2D samples_sum;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(set = 0, binding = SAMPLED(SHADE_SLOT_SUM)) uniform sampler2D samples_sum;
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_display;
 

@@ -1,12 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Shades every covered sample of a G-buffer of full samples and adds up the pixel; the sky shows in the others.
-// Reads: visibility (slot 0), G-buffer (slot 1, one layer for each of GROUP_SAMPLES samples), shadow map. Writes (additively):
+// Reads: visibility, G-buffer (one layer for each of GROUP_SAMPLES samples), shadow map. Writes (additively):
 // rgb the sum of the samples' resolvable values, a the lighting executions.
 #include "shade/full_sample.glsl"
 
-layout(constant_id = 4) const uint SAMPLE_GROUP = 0u;
-layout(constant_id = 6) const uint GROUP_SAMPLES = 8u;
+layout(constant_id = CONSTANT_SAMPLE_GROUP) const uint SAMPLE_GROUP = 0u;
+layout(constant_id = CONSTANT_GROUP_SAMPLES) const uint GROUP_SAMPLES = 8u;
 
 layout(location = 0) out vec4 out_sum;
 

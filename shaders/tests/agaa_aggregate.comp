@@ -1,22 +1,20 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // Sums up one aggregate from surfaces of one sample each, and shades it; one invocation for each aggregate of all SAMPLES samples.
 // Reads: SAMPLES surfaces for each aggregate, views, frame constants, shadow map.
 // Writes: the aggregate's means as shading sees them; the radiance of the aggregate, the mean radiance of its surfaces, and the
 // radiance of one surface with their mean attributes.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "tests/agaa_test_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/agaa/shading.glsl"
-#include "tests/agaa_test_types.h"
 
-layout(set = 0, binding = 1, scalar) readonly buffer Surfaces { AgaaTestSurface surfaces[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer Views { vec4 views[]; };
-layout(set = 0, binding = 3, scalar) writeonly buffer Results { AgaaTestResult results[]; };
-layout(push_constant, scalar) uniform Push {
-  uint count;
-  float largest_emission;
-} push;
+layout(set = 0, binding = STORAGE(AGAA_TEST_SLOT_SURFACES), scalar) readonly buffer Surfaces { AgaaTestSurface surfaces[]; };
+layout(set = 0, binding = STORAGE(AGAA_TEST_SLOT_VIEWS), scalar) readonly buffer Views { vec4 views[]; };
+layout(set = 0, binding = STORAGE(AGAA_TEST_SLOT_RESULTS), scalar) writeonly buffer Results { AgaaTestResult results[]; };
+layout(push_constant, scalar) uniform Push { AgaaTestPush push; };
 
 Surface surface_of(AgaaTestSurface given) {
   Surface s;

@@ -4,25 +4,19 @@
 // Groups the samples of given pixels into surfaces, for the test of the analysis.
 // Reads: samples of each pixel. Writes: the masks of its kept surfaces.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "tests/test_interface.h"
 
-struct Sample {
-  vec3 normal;
-  float depth, slope;
-  uint triangle;
-};
-layout(set = 0, binding = 1, scalar) readonly buffer Samples { Sample samples[]; };
-layout(set = 0, binding = 2, scalar) writeonly buffer Masks { uint masks[]; };
-layout(push_constant) uniform Push {
-  uint pixels, keep, merge;
-  float cosine;
-} push;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+
+layout(set = 0, binding = STORAGE(TEST_SLOT_SAMPLES), scalar) readonly buffer Samples { AnalysedTestSample samples[]; };
+layout(set = 0, binding = STORAGE(TEST_SLOT_MASKS), scalar) writeonly buffer Masks { uint masks[]; };
+layout(push_constant, scalar) uniform Push { AnalyseTestPush push; };
 
 #include "frontend/frontend_types.h"
 #include "techniques/sbaa/analysis.glsl"
 
 AnalysedSample analysed_sample(uint s) {
-  Sample given = samples[gl_GlobalInvocationID.x * SAMPLES + s];
+  AnalysedTestSample given = samples[gl_GlobalInvocationID.x * SAMPLES + s];
   return AnalysedSample(given.normal, given.depth, given.slope);
 }
 

@@ -4,20 +4,14 @@
 // Classifies given pixels, for the test of the classification.
 // Reads: samples and triangles of each pixel. Writes: 1 for each complex one.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "tests/test_interface.h"
 
-struct Sample {
-  vec3 normal;
-  float depth;
-  uint triangle, material;
-};
-layout(set = 0, binding = 1, scalar) readonly buffer Samples { Sample samples[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer Slopes { vec2 slopes[]; };  // of sample 0's triangle
-layout(set = 0, binding = 3, scalar) writeonly buffer Complex { uint complex[]; };
-layout(push_constant) uniform Push {
-  uint pixels;
-  float depth_scale, least_cosine;
-} push;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+
+layout(set = 0, binding = STORAGE(TEST_SLOT_SAMPLES), scalar) readonly buffer Samples { ClassifiedTestSample samples[]; };
+layout(set = 0, binding = STORAGE(TEST_SLOT_SLOPES), scalar) readonly buffer Slopes { vec2 slopes[]; };  // of sample 0's triangle
+layout(set = 0, binding = STORAGE(TEST_SLOT_COMPLEX), scalar) writeonly buffer Complex { uint complex[]; };
+layout(push_constant, scalar) uniform Push { ClassifyTestPush push; };
 
 #include "techniques/simple_complex/classification.glsl"
 

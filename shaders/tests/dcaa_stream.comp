@@ -1,19 +1,20 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // Algorithm 1 fed with a stream of its own: one invocation merges one pixel.
 // Reads: ranges, first fragment and count of each pixel; fragments; the camera. Writes: the pixel's state as merge.frag leaves
 // it.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 64u;
+#include "tests/dcaa_test_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "techniques/dcaa/merge.glsl"
 #include "techniques/dcaa/state.glsl"
-#include "tests/dcaa_test_types.h"
 
-layout(set = 0, binding = 1, scalar) readonly buffer Ranges { uvec4 ranges[]; };  // zw: pixel
-layout(set = 0, binding = 2, scalar) readonly buffer Fragments { DcaaTestFragment fragments[]; };
-layout(set = 0, binding = 3, scalar) readonly buffer ViewBlock { DcaaView view; };
-layout(set = 0, binding = 4, scalar) writeonly buffer Words { uint words[]; };
+layout(set = 0, binding = STORAGE(DCAA_TEST_SLOT_RANGES), scalar) readonly buffer Ranges { uvec4 ranges[]; };  // zw: pixel
+layout(set = 0, binding = STORAGE(DCAA_TEST_SLOT_FRAGMENTS), scalar) readonly buffer Stream { DcaaTestFragment fragments[]; };
+layout(set = 0, binding = STORAGE(DCAA_TEST_SLOT_VIEW), scalar) readonly buffer ViewBlock { DcaaView view; };
+layout(set = 0, binding = STORAGE(DCAA_TEST_SLOT_WORDS), scalar) writeonly buffer Words { uint words[]; };
 
 void main() {
   uint pixel = gl_GlobalInvocationID.x;

@@ -1,10 +1,13 @@
 #version 460
+#extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 // Copies the four samples of each pixel of a multisampled image into a buffer that tests read.
-// Reads: slot 0. Writes: four words for each pixel, rows from the top.
+// Reads: the image. Writes: four words for each pixel, rows from the top.
 layout(local_size_x = 64) in;
-layout(set = 0, binding = 12) uniform usampler2DMS image;
-layout(set = 0, binding = 1, scalar) writeonly buffer Samples { uint samples[]; };
+#include "tests/test_interface.h"
+
+layout(set = 0, binding = SAMPLED(TEST_SLOT_IMAGE)) uniform usampler2DMS image;
+layout(set = 0, binding = STORAGE(TEST_SLOT_SAMPLES), scalar) writeonly buffer Samples { uint samples[]; };
 void main() {
   uvec2 size = uvec2(textureSize(image));
   uint place = gl_GlobalInvocationID.x;

@@ -5,9 +5,10 @@
 // Reads: the visibility image. Writes: SAMPLES entries for each pixel, rows from the top.
 layout(local_size_x = 64) in;
 #include "include/visibility.glsl"
+#include "tests/test_interface.h"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(set = 0, binding = 1, scalar) writeonly buffer Samples { uvec2 samples[]; };
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(set = 0, binding = STORAGE(TEST_SLOT_SAMPLES), scalar) writeonly buffer Samples { uvec2 samples[]; };
 
 void main() {
   uvec2 size = uvec2(textureSize(visibility, 0).xy);

@@ -3,25 +3,20 @@
 // Writes: one radiance for each probe; in w how bright its display value is.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
 layout(local_size_x = 64) in;
 #include "include/lights.glsl"
 #include "include/tone.glsl"
+#include "tests/test_interface.h"
 
-struct Probe {
-  vec4 position_roughness;
-  vec4 normal_metallic;
-  vec4 albedo_occlusion;
-  vec4 emissive;
-  vec4 view;
-};
-layout(set = 0, binding = 1, std430) readonly buffer Probes { Probe probes[]; };
-layout(set = 0, binding = 2, std430) writeonly buffer Radiances { vec4 radiances[]; };
-layout(push_constant) uniform Push { uint count; };
+layout(set = 0, binding = STORAGE(TEST_SLOT_PROBES), std430) readonly buffer Probes { TestProbe probes[]; };
+layout(set = 0, binding = STORAGE(TEST_SLOT_RADIANCES), std430) writeonly buffer Radiances { vec4 radiances[]; };
+layout(push_constant, scalar) uniform Push { ProbeTestPush push; };
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
-  if (i >= count) return;
-  Probe p = probes[i];
+  if (i >= push.count) return;
+  TestProbe p = probes[i];
   Surface s;
   s.position = p.position_roughness.xyz;
   s.normal = p.normal_metallic.xyz;

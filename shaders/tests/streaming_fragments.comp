@@ -10,9 +10,9 @@ layout(local_size_x = 64) in;
 #include "frontend/listed_fragment.glsl"
 #include "techniques/streaming/compress.glsl"
 #include "techniques/streaming/fragment.glsl"
-#include "tests/streaming_test_types.h"
+#include "tests/streaming_test_interface.h"
 
-layout(set = 0, binding = 2, scalar) writeonly buffer Stream { StreamTestFragment stream[]; };
+layout(set = 0, binding = STORAGE(STREAM_TEST_SLOT_OF_FRAME), scalar) writeonly buffer Stream { StreamTestFragment stream[]; };
 
 void main() {
   uint number;

@@ -1,17 +1,18 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // The streaming compression fed with a stream of its own: one invocation compresses one pixel.
 // Reads: ranges, first fragment and count of each pixel; fragments. Writes: the pixel's state as compress.frag leaves it.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "tests/streaming_test_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/streaming/compress.glsl"
 #include "techniques/streaming/state.glsl"
-#include "tests/streaming_test_types.h"
 
-layout(set = 0, binding = 1, scalar) readonly buffer Ranges { uvec2 ranges[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer Fragments { StreamTestFragment fragments[]; };
-layout(set = 0, binding = 3, scalar) writeonly buffer Quads { uvec4 quads[]; };
+layout(set = 0, binding = STORAGE(STREAM_TEST_SLOT_RANGES), scalar) readonly buffer Ranges { uvec2 ranges[]; };
+layout(set = 0, binding = STORAGE(STREAM_TEST_SLOT_FRAGMENTS), scalar) readonly buffer Stream { StreamTestFragment fragments[]; };
+layout(set = 0, binding = STORAGE(STREAM_TEST_SLOT_QUADS), scalar) writeonly buffer Quads { uvec4 quads[]; };
 
 void main() {
   uint pixel = gl_GlobalInvocationID.x;
@@ -46,7 +47,5 @@ void main() {
   StreamList list;
   stream_pack(word, surface, list);
   for (uint i = 0u; i < DEPTH_QUADS; ++i) quads[pixel * STATE_QUADS + i] = depths[i];
-  for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i)
-    quads[pixel * STATE_QUADS + DEPTH_QUADS + i] =
-        uvec4(list.word[4u * i], list.word[4u * i + 1u], list.word[4u * i + 2u], list.word[4u * i + 3u]);
+  for (uint i = 0u; i < LIST_QUADS; ++i) quads[pixel * STATE_QUADS + DEPTH_QUADS + i] = QUAD_OF(list.word, i);
 }

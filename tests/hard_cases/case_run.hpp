@@ -16,7 +16,7 @@
 #include "replay/measure/flip.hpp"
 #include "replay/measure/metrics.hpp"
 #include "replay/reference/reference_cache.hpp"
-#include "replay/techniques/frame_setup.hpp"
+#include "replay/techniques/registry.hpp"
 #include "scenes/generate/hard_cases/hard_cases.hpp"
 
 namespace subpixel::replay {
@@ -45,13 +45,13 @@ class CaseScene {
   }
 
   CaseResult run(const Technique& technique, const ParameterValues& given = {}) {
-    const ParameterValues parameters = check_parameters(technique.name, technique.parameters, given);
+    const TechniqueSetting setting = technique.with(given);
     CaseResult result;
-    result.samples = parameters.at("samples").get<std::uint32_t>();
+    result.samples = setting.parameters->samples;
     if (prepared_ != result.samples) frontend_.prepare(result.samples);
     prepared_ = result.samples;
     FrameOutputs outputs;
-    FrameSetup setup{scene, frontend_, width, height, result.samples, parameters, outputs};
+    FrameSetup setup{scene, frontend_, width, height, *setting.parameters, outputs};
     gpu::PassRecorder recorder(device_);
     technique.record(recorder, setup);
     recorder.run();

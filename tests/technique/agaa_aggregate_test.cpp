@@ -9,8 +9,8 @@
 
 #include "replay/gpu/pass_recorder.hpp"
 #include "replay/scene/gpu_scene.hpp"
-#include "shaders/techniques/agaa/agaa_types.h"
-#include "shaders/tests/agaa_test_types.h"
+#include "shaders/techniques/agaa/agaa_interface.h"
+#include "shaders/tests/agaa_test_interface.h"
 #include "tests/technique/scene_device_fixture.hpp"
 #include "tests/unit/scene_fixture.hpp"
 
@@ -48,17 +48,18 @@ std::vector<AgaaTestResult> run_on_device(const Sets& sets, std::uint32_t option
   gpu::ComputePass pass;
   pass.name = "aggregate";
   pass.shader = "tests/agaa_aggregate.comp";
-  pass.constants = {{0, sets.samples}, {1, features}, {2, blinn_phong ? 1u : 0u}, {8, options}, {9, 1}};
+  pass.constants = {{CONSTANT_SAMPLES, sets.samples},
+                    {CONSTANT_FEATURES, features},
+                    {CONSTANT_SHADING_MODEL, blinn_phong ? SHADING_MODEL_BLINN_PHONG : SHADING_MODEL_GGX},
+                    {AGAA_CONSTANT_OPTIONS, options},
+                    {AGAA_CONSTANT_SHADOW_TAPS, 1}};
   pass.bindings = {gpu::uniform(scene.frame_constants),
-                   gpu::reads(0, surfaces),
-                   gpu::reads(1, views),
-                   gpu::writes(2, out),
-                   gpu::reads(8, scene.spot_cones),
-                   gpu::samples(7, scene.shadow_map, &scene.shadow_sampler)};
-  struct {
-    std::uint32_t count;
-    float largest_emission;
-  } const push{static_cast<std::uint32_t>(sets.views.size()), largest_emission};
+                   gpu::reads(AGAA_TEST_SLOT_SURFACES, surfaces),
+                   gpu::reads(AGAA_TEST_SLOT_VIEWS, views),
+                   gpu::writes(AGAA_TEST_SLOT_RESULTS, out),
+                   gpu::reads(FRAME_SLOT_SPOT_CONES, scene.spot_cones),
+                   gpu::samples(FRAME_SLOT_SHADOW_MAP, scene.shadow_map, &scene.shadow_sampler)};
+  const gpu_types::AgaaTestPush push{static_cast<std::uint32_t>(sets.views.size()), largest_emission};
   pass.push = gpu::PushConstants(push);
   pass.groups = {(push.count + 63) / 64, 1, 1};
   recorder.compute(pass);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "replay/gpu/pass_recorder.hpp"
+#include "shaders/tests/agaa_test_interface.h"
 #include "tests/technique/scene_device_fixture.hpp"
 
 namespace subpixel::replay {
@@ -144,13 +145,10 @@ Totals expect_same_aggregates(const std::vector<std::vector<Given>>& pixels, con
   gpu::ComputePass pass;
   pass.name = "cluster";
   pass.shader = "tests/agaa_cluster.comp";
-  pass.constants = {{0, n}, {7, aggregates}};
-  pass.bindings = {gpu::reads(0, in), gpu::reads(1, masks), gpu::writes(2, out)};
-  struct {
-    std::uint32_t pixels;
-    float separation;
-  } const push{count, separation};
-  pass.push = gpu::PushConstants(push);
+  pass.constants = {{CONSTANT_SAMPLES, n}, {AGAA_CONSTANT_AGGREGATES, aggregates}};
+  pass.bindings = {gpu::reads(AGAA_TEST_SLOT_SAMPLES, in), gpu::reads(AGAA_TEST_SLOT_COVERED, masks),
+                   gpu::writes(AGAA_TEST_SLOT_RESULTS, out)};
+  pass.push = gpu::PushConstants(gpu_types::AgaaTestClusterPush{count, separation});
   pass.groups = {(count + 63) / 64, 1, 1};
   recorder.compute(std::move(pass));
   recorder.run();

@@ -15,13 +15,12 @@ std::uint64_t sum(const std::vector<std::uint32_t>& values) {
 // Without running anything.
 double paper_bytes(const capture::Capture& capture, std::string_view name, const ParameterValues& given) {
   const Technique& technique = find_technique(name);
-  const ParameterValues parameters = check_parameters(name, technique.parameters, given);
+  const TechniqueSetting setting = technique.with(given);
   GpuScene scene(test_device(), capture, {});
   Frontend frontend(test_device(), scene);
   FrameOutputs outputs;
-  const auto samples = parameters.at("samples").get<std::uint32_t>();
   double bytes = 0;
-  for (const auto& entry : technique.layout({scene, frontend, kWidth, kHeight, samples, parameters, outputs}).paper)
+  for (const auto& entry : technique.layout({scene, frontend, kWidth, kHeight, *setting.parameters, outputs}).paper)
     bytes += entry.bits_per_pixel / 8;
   return bytes;
 }

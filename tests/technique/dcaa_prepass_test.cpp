@@ -3,7 +3,7 @@
 
 #include "replay/techniques/dcaa_passes.hpp"
 #include "scenes/generate/generate.hpp"
-#include "shaders/techniques/dcaa/dcaa_types.h"
+#include "shaders/techniques/dcaa/dcaa_interface.h"
 #include "tests/technique/frontend_fixture.hpp"
 #include "tests/technique/technique_run.hpp"
 
@@ -17,11 +17,10 @@ struct Found {
 Found compare(const capture::Capture& capture, std::uint32_t width, std::uint32_t height) {
   gpu::Device& device = test_device();
   FrontendRun run(device, capture, width, height, 64);
-  const ParameterValues parameters =
-      check_parameters("dcaa", find_technique("dcaa").parameters, {{"coverage", "exact"}});
+  const TechniqueSetting setting = find_technique("dcaa").with({{"coverage", "exact"}});
   FrameOutputs outputs;
   gpu::Image& image = record_depth_bound(
-      run.recorder, {run.scene, run.frontend, width, height, 64, parameters, outputs}, {.options = DCAA_PREPASS});
+      run.recorder, {run.scene, run.frontend, width, height, *setting.parameters, outputs}, {.options = DCAA_PREPASS});
   run.run();
   const auto texels = texels_of<glm::uvec4>(device, image);
   Found found;

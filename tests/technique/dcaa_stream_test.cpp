@@ -5,7 +5,7 @@
 
 #include "replay/gpu/pass_recorder.hpp"
 #include "shaders/include/shared_types.h"
-#include "shaders/tests/dcaa_test_types.h"
+#include "shaders/tests/dcaa_test_interface.h"
 #include "tests/technique/dcaa_transcription.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
 
@@ -129,20 +129,21 @@ std::vector<std::uint32_t> run_on_device(const Options& o, const Streams& stream
   gpu::ComputePass pass;
   pass.name = "stream";
   pass.shader = "tests/dcaa_stream.comp";
-  pass.constants = {
-      {0, o.samples},
-      {1, FEATURE_VARYING_ROUGHNESS | FEATURE_METAL},
-      {10, o.surfaces},
-      {11, std::bit_cast<std::uint32_t>(o.cos_normal_angle)},
-      {12, (o.second_merge && !o.nearest ? DCAA_SECOND_MERGE : 0u) | (o.keep_front ? DCAA_KEEP_FRONT : 0u) |
-               (o.weight_by_shown ? DCAA_WEIGHT_SHOWN : 0u) | (o.distribution ? DCAA_DISTRIBUTION : 0u) |
-               (o.nearest ? DCAA_NEAREST : 0u) | (o.second_moments ? DCAA_SECOND_MOMENTS : 0u)},
-      {13, o.normal_format},
-      {14, o.depth_bits},
-      {17, std::bit_cast<std::uint32_t>(o.depth_reach)},
-      {18, std::bit_cast<std::uint32_t>(o.inverse_length)}};
-  pass.bindings = {gpu::uniform(frame), gpu::reads(0, ranges), gpu::reads(1, fragments), gpu::reads(2, view),
-                   gpu::writes(3, words)};
+  pass.constants = {{CONSTANT_SAMPLES, o.samples},
+                    {CONSTANT_FEATURES, FEATURE_VARYING_ROUGHNESS | FEATURE_METAL},
+                    {DCAA_CONSTANT_SURFACES, o.surfaces},
+                    {DCAA_CONSTANT_COS_NORMAL_ANGLE, std::bit_cast<std::uint32_t>(o.cos_normal_angle)},
+                    {DCAA_CONSTANT_OPTIONS,
+                     (o.second_merge && !o.nearest ? DCAA_SECOND_MERGE : 0u) | (o.keep_front ? DCAA_KEEP_FRONT : 0u) |
+                         (o.weight_by_shown ? DCAA_WEIGHT_SHOWN : 0u) | (o.distribution ? DCAA_DISTRIBUTION : 0u) |
+                         (o.nearest ? DCAA_NEAREST : 0u) | (o.second_moments ? DCAA_SECOND_MOMENTS : 0u)},
+                    {DCAA_CONSTANT_NORMAL_FORMAT, o.normal_format},
+                    {DCAA_CONSTANT_DEPTH_BITS, o.depth_bits},
+                    {DCAA_CONSTANT_DEPTH_REACH, std::bit_cast<std::uint32_t>(o.depth_reach)},
+                    {DCAA_CONSTANT_INVERSE_LENGTH, std::bit_cast<std::uint32_t>(o.inverse_length)}};
+  pass.bindings = {gpu::uniform(frame), gpu::reads(DCAA_TEST_SLOT_RANGES, ranges),
+                   gpu::reads(DCAA_TEST_SLOT_FRAGMENTS, fragments), gpu::reads(DCAA_TEST_SLOT_VIEW, view),
+                   gpu::writes(DCAA_TEST_SLOT_WORDS, words)};
   pass.groups = {static_cast<std::uint32_t>((streams.ranges.size() + 63) / 64), 1, 1};
   recorder.compute(pass);
   recorder.run();

@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "shaders/techniques/dcaa/dcaa_types.h"
+#include "shaders/techniques/dcaa/dcaa_interface.h"
 
 namespace subpixel::dcaa_test {
 

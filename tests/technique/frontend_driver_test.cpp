@@ -52,7 +52,8 @@ std::vector<std::uint32_t> driver_samples(gpu::Device& device, FrontendRun& run)
   pass.name = "driver";
   pass.pipeline.vertex = "tests/driver_triangle.vert";
   pass.pipeline.fragment = "tests/driver_triangle.frag";
-  pass.pipeline.targets = {{VK_FORMAT_R32_UINT}, VK_FORMAT_D32_SFLOAT, VK_SAMPLE_COUNT_4_BIT, false, true};
+  pass.pipeline.targets.samples = VK_SAMPLE_COUNT_4_BIT;
+  pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_GREATER;
   pass.pipeline.depth_write = true;
   pass.colours = {{image}};
@@ -67,7 +68,7 @@ std::vector<std::uint32_t> driver_samples(gpu::Device& device, FrontendRun& run)
   gpu::ComputePass read;
   read.name = "read";
   read.shader = "tests/read_driver_samples.comp";
-  read.bindings = {gpu::samples(0, image), gpu::writes(0, samples)};
+  read.bindings = {gpu::samples(TEST_SLOT_IMAGE, image), gpu::writes(TEST_SLOT_SAMPLES, samples)};
   read.groups = {kSide * kSide / 64, 1, 1};
   recorder.compute(std::move(read));
   recorder.run();

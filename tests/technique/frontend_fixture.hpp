@@ -19,6 +19,7 @@
 #include "replay/frontend/visibility.hpp"
 #include "shaders/frontend/frontend_types.h"
 #include "shaders/frontend/sample_patterns.h"
+#include "shaders/tests/test_interface.h"
 
 namespace subpixel::replay {
 
@@ -216,6 +217,7 @@ class FrontendRun {
         scene(device, capture, {}),
         frontend(device, scene),
         recorder(device) {
+    parameters_.samples = samples;
     scene.set_frame(0, width, height);
     frontend.prepare(samples);
     frontend.record_setup(recorder);
@@ -224,13 +226,13 @@ class FrontendRun {
     gpu::ComputePass read;
     read.name = "read";
     read.shader = "tests/read_visibility.comp";
-    read.constants = {{0, samples}};
-    read.bindings = {gpu::samples(0, *visibility), gpu::writes(0, buffer_)};
+    read.constants = {{CONSTANT_SAMPLES, samples}};
+    read.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, *visibility), gpu::writes(TEST_SLOT_SAMPLES, buffer_)};
     read.groups = {(width * height + 63) / 64, 1, 1};
     recorder.compute(std::move(read));
   }
 
-  FrameSetup setup() { return {scene, frontend, width, height, samples, parameters_, outputs_}; }
+  FrameSetup setup() { return {scene, frontend, width, height, parameters_, outputs_}; }
 
   // Runs all that is recorded and takes what set-up and visibility left.
   void run() {
@@ -282,7 +284,7 @@ class FrontendRun {
   std::vector<SetUpTriangle> triangles;  // in submission order
 
  private:
-  ParameterValues parameters_{{"alpha", "to_coverage"}, {"resolve", "linear"}, {"shading", "ggx"}};
+  CommonParameters parameters_;
   FrameOutputs outputs_;
   gpu::Buffer buffer_;
   std::vector<VisibleSample> seen_ = std::vector<VisibleSample>(std::size_t{width} * height * samples);

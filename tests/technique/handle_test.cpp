@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "replay/gpu/material_sets.hpp"
 #include "replay/gpu/pass_recorder.hpp"
+#include "shaders/frontend/frontend_interface.h"
 #include "tests/technique/vulkan_faults.hpp"
 
 namespace subpixel::replay {
@@ -55,7 +56,7 @@ void make_everything() {
   gpu::ComputePass turns;
   turns.name = "turns";
   turns.shader = "frontend/count_turns.comp";
-  turns.bindings = {gpu::writes(0, recorder.buffer("turns", 16))};
+  turns.bindings = {gpu::writes(FRONTEND_SLOT_TURNS, recorder.buffer("turns", 16))};
   recorder.compute(turns);
   gpu::RasterPass raster;
   raster.name = "litmus";

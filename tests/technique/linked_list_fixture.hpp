@@ -79,12 +79,11 @@ class ListScene {
 
   // `given` without the pool: `dynamic_blocks` decides.
   ListRun run(const ParameterValues& given, std::uint64_t dynamic_blocks) {
-    const Technique& technique = find_technique("linked_list");
-    const ParameterValues parameters = check_parameters("linked_list", technique.parameters, given);
-    const auto samples = parameters.at("samples").get<std::uint32_t>();
+    const TechniqueSetting setting = find_technique("linked_list").with(given);
+    const std::uint32_t samples = setting.parameters->samples;
     if (frontend_.samples() != samples) frontend_.prepare(samples);
     FrameOutputs outputs;
-    const FrameSetup setup{scene_, frontend_, width, height, samples, parameters, outputs};
+    const LinkedListSetup setup({scene_, frontend_, width, height, *setting.parameters, outputs});
     const std::uint64_t bytes = linked_list_pool_bytes(setup, dynamic_blocks);
     gpu::Buffer memory(device_, "guarded blocks", bytes + 8 * kGuardWords);
     const auto words = memory.as<std::uint32_t>();

@@ -1,7 +1,7 @@
 // `linked_list`: its images beside those of forward shading and of full samples, and the publication's table of memory.
 #include <numeric>
 
-#include "shaders/techniques/linked_list/linked_list_types.h"
+#include "shaders/techniques/linked_list/linked_list_interface.h"
 #include "tests/technique/technique_run.hpp"
 
 namespace subpixel::replay {
@@ -90,9 +90,8 @@ TEST(LinkedList, MemoryIsThatOfThePublicationsTable) {
   FrameOutputs outputs;
   const auto mib = [&](const ParameterValues& given, bool depth) {
     const Technique& technique = find_technique("linked_list");
-    const ParameterValues parameters = check_parameters("linked_list", technique.parameters, given);
-    const FrameSetup setup{scene,      frontend, 1920, 1080, parameters.at("samples").get<std::uint32_t>(),
-                           parameters, outputs};
+    const TechniqueSetting setting = technique.with(given);
+    const FrameSetup setup{scene, frontend, 1920, 1080, *setting.parameters, outputs};
     double bits = 0;
     for (const auto& entry : technique.layout(setup).paper)
       if ((entry.name == "depth") == depth) bits += entry.bits_per_pixel;

@@ -164,9 +164,8 @@ TEST(LinkedListAllocation, BudgetsInEveryUnit) {
     scene.set_frame(0, 100, 50);
     Frontend frontend(test_device(), scene);
     FrameOutputs outputs;
-    const ParameterValues parameters = check_parameters("linked_list", find_technique("linked_list").parameters, given);
-    return linked_list_dynamic_blocks(
-        {scene, frontend, 100, 50, parameters.at("samples").get<std::uint32_t>(), parameters, outputs});
+    const TechniqueSetting setting = find_technique("linked_list").with(given);
+    return linked_list_dynamic_blocks(LinkedListSetup({scene, frontend, 100, 50, *setting.parameters, outputs}));
   };
   EXPECT_EQ(dynamic({}), 7u * 5000);
   EXPECT_EQ(dynamic({{"samples", 4}}), 3u * 5000);

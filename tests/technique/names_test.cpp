@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "replay/gpu/pass_recorder.hpp"
+#include "shaders/frontend/frontend_interface.h"
 #include "tests/technique/vulkan_names.hpp"
 
 namespace subpixel::replay {
@@ -13,7 +14,7 @@ void run_passes(gpu::Device& device) {
   gpu::ComputePass turns;
   turns.name = "make turns";
   turns.shader = "frontend/count_turns.comp";
-  turns.bindings = {gpu::writes(0, recorder.buffer("turn counts", 16))};
+  turns.bindings = {gpu::writes(FRONTEND_SLOT_TURNS, recorder.buffer("turn counts", 16))};
   recorder.compute(turns);
   gpu::RasterPass raster;
   raster.name = "draw in order";

@@ -6,17 +6,14 @@
 #include <map>
 
 #include "replay/gpu/pass_recorder.hpp"
+#include "shaders/tests/test_interface.h"
 #include "tests/technique/pixel_generator.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
 
 namespace subpixel::replay {
 namespace {
 
-struct Sample {
-  glm::vec3 normal;
-  float depth, slope;
-  std::uint32_t triangle;
-};
+using Sample = gpu_types::AnalysedTestSample;
 
 struct Options {
   bool merge = true;
@@ -131,12 +128,9 @@ void expect_agreement(std::uint32_t samples, std::uint32_t count, Options option
   gpu::ComputePass pass;
   pass.name = "analyse";
   pass.shader = "tests/analyse_pixels.comp";
-  pass.constants = {{0, samples}};
-  pass.bindings = {gpu::reads(0, in), gpu::writes(1, out)};
-  struct {
-    std::uint32_t pixels, keep, merge;
-    float cosine;
-  } const push{count, options.keep, options.merge ? 1u : 0u, options.cosine()};
+  pass.constants = {{CONSTANT_SAMPLES, samples}};
+  pass.bindings = {gpu::reads(TEST_SLOT_SAMPLES, in), gpu::writes(TEST_SLOT_MASKS, out)};
+  const gpu_types::AnalyseTestPush push{count, options.keep, options.merge ? 1u : 0u, options.cosine()};
   pass.push = gpu::PushConstants(push);
   pass.groups = {(count + 63) / 64, 1, 1};
   recorder.compute(std::move(pass));

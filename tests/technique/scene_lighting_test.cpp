@@ -9,6 +9,7 @@
 
 #include "replay/gpu/pass_recorder.hpp"
 #include "replay/scene/gpu_scene.hpp"
+#include "shaders/tests/test_interface.h"
 #include "tests/technique/scene_device_fixture.hpp"
 #include "tests/unit/scene_fixture.hpp"
 
@@ -22,7 +23,7 @@ struct Probe {
       emissive{0}, view{0, 0, 1, 0};
 };
 
-enum class Model : std::uint32_t { ggx = 0, blinn_phong = 1 };
+enum class Model : std::uint32_t { ggx = SHADING_MODEL_GGX, blinn_phong = SHADING_MODEL_BLINN_PHONG };
 
 // Sun, two point lights, a spot light and an ambient term; no shadows.
 capture::Capture lit_capture() {
@@ -51,11 +52,13 @@ std::vector<glm::vec4> shade_on_device(const capture::Capture& capture, const st
   gpu::ComputePass pass;
   pass.name = "probe";
   pass.shader = "tests/shade_probe.comp";
-  pass.constants = {{1, scene.features().bits}, {2, static_cast<std::uint32_t>(model)}};
-  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(0, in), gpu::writes(1, out),
-                   gpu::reads(8, scene.spot_cones), gpu::samples(7, scene.shadow_map, &scene.shadow_sampler)};
+  pass.constants = {{CONSTANT_FEATURES, scene.features().bits},
+                    {CONSTANT_SHADING_MODEL, static_cast<std::uint32_t>(model)}};
+  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(TEST_SLOT_PROBES, in),
+                   gpu::writes(TEST_SLOT_RADIANCES, out), gpu::reads(FRAME_SLOT_SPOT_CONES, scene.spot_cones),
+                   gpu::samples(FRAME_SLOT_SHADOW_MAP, scene.shadow_map, &scene.shadow_sampler)};
   const auto count = static_cast<std::uint32_t>(probes.size());
-  pass.push = gpu::PushConstants(count);
+  pass.push = gpu::PushConstants(gpu_types::ProbeTestPush{count});
   pass.groups = {(count + 63) / 64, 1, 1};
   recorder.compute(pass);
   recorder.run();

@@ -10,6 +10,8 @@
 #include "replay/gpu/pass_recorder.hpp"
 #include "replay/gpu/shader_interface.hpp"
 #include "shaders/embedded.hpp"
+#include "shaders/include/shared_types.h"
+#include "shaders/techniques/linked_list/linked_list_interface.h"
 
 namespace subpixel::gpu {
 namespace {
@@ -36,8 +38,8 @@ std::string refusal(const std::function<void(PassRecorder&, ComputePass&)>& chan
   ComputePass pass;
   pass.name = "scan";
   pass.shader = kScan;
-  pass.bindings = {writes(0, values)};
-  pass.push = PushConstants(std::uint32_t{4});
+  pass.bindings = {writes(FRONTEND_SLOT_SUMS, values)};
+  pass.push = PushConstants(gpu_types::ScanPush{4});
   change(recorder, pass);
   try {
     recorder.compute(pass);
@@ -51,12 +53,12 @@ TEST(ShaderInterface, NamesAndSizesAreThoseOfTheSource) {
   const ShaderInterface& scan = interface_named(kScan);
   EXPECT_EQ(scan.push_bytes, 4u);
   ASSERT_EQ(scan.slots.size(), 1u);
-  EXPECT_EQ(scan.slots[0].binding, kStorageBinding);
+  EXPECT_EQ(scan.slots[0].binding, STORAGE(FRONTEND_SLOT_SUMS));
   EXPECT_FALSE(scan.slots[0].name.empty());
   const ShaderInterface& gbuffer = interface_named("techniques/linked_list/gbuffer.frag");
   const auto allocation = std::ranges::find(gbuffer.constants, "ALLOCATION", &ShaderInterface::Constant::name);
   ASSERT_NE(allocation, gbuffer.constants.end());
-  EXPECT_EQ(allocation->id, 10u);
+  EXPECT_EQ(allocation->id, LINK_CONSTANT_ALLOCATION);
   const auto material = std::ranges::find(gbuffer.slots, 1u, &ShaderInterface::Slot::set);
   ASSERT_NE(material, gbuffer.slots.end());
   EXPECT_EQ(material->name, "base_colour_texture");
@@ -95,20 +97,21 @@ TEST(ShaderInterface, AConstantThatIsMissingIsNamed) {
   for (const auto& constant : gbuffer.constants)
     if (constant.name != "FIRST_BLOCK") supplied.constants.push_back(constant.id);
   for (const auto& slot : gbuffer.slots) supplied.bindings.push_back(slot.binding);
+  supplied.address_tables = {STORAGE(LINK_SLOT_POOL)};
   supplied.material = true;
   supplied.push_bytes = gbuffer.push_bytes;
   const ShaderStage stage{"gbuffer.frag", &gbuffer};
   const std::string said = mismatch(std::span(&stage, 1), supplied);
   EXPECT_NE(said.find("FIRST_BLOCK"), std::string::npos) << said;
-  supplied.constants.push_back(11);
+  supplied.constants.push_back(LINK_CONSTANT_FIRST_BLOCK);
   EXPECT_EQ(mismatch(std::span(&stage, 1), supplied), "");
   supplied.material = false;
   EXPECT_NE(mismatch(std::span(&stage, 1), supplied).find("base_colour_texture"), std::string::npos);
 }
 
 TEST(ShaderInterface, AWrongSlotIsNamed) {
-  const std::string said = refusal([](PassRecorder&, ComputePass& pass) { pass.bindings[0].slot = 1; });
-  EXPECT_NE(said.find("binding 1 of set 0"), std::string::npos) << said;
+  const std::string said = refusal([](PassRecorder&, ComputePass& pass) { ++pass.bindings[0].slot; });
+  EXPECT_NE(said.find("binding 3 of set 0"), std::string::npos) << said;
   EXPECT_NE(said.find("leaves empty"), std::string::npos) << said;
 }
 
@@ -120,22 +123,46 @@ TEST(ShaderInterface, AWrongSizeIsNamed) {
 }
 
 TEST(ShaderInterface, AForgottenAddressIsNamed) {
-  PassRecorder recorder(checking_device());
-  Buffer& forgotten = recorder.buffer("forgotten", 64);
-  Buffer& table = recorder.buffer("addresses", 8);
-  const std::string pushed =
-      refusal([&](PassRecorder&, ComputePass& pass) { pass.push = PushConstants(forgotten.address()); });
-  EXPECT_NE(pushed.find("forgotten"), std::string::npos) << pushed;
-  // In a small buffer that the pass binds.
-  table.as<VkDeviceAddress>()[0] = forgotten.address() + 16;
-  const auto bound = [&](bool declared) {
-    return refusal([&](PassRecorder&, ComputePass& pass) {
-      pass.bindings = {writes(0, table)};
-      if (declared) pass.by_address = {&forgotten};
+  const auto list_small = [](bool declared) {
+    return refusal([&](PassRecorder& recorder, ComputePass& pass) {
+      pass.shader = "frontend/list_small.comp:COUNT";
+      Buffer& lists = recorder.buffer("lists", 64);
+      pass.bindings = {reads(FRONTEND_SLOT_SMALL_RECORDS, lists), writes(FRONTEND_SLOT_SMALL_TRIANGLES, lists),
+                       writes(FRONTEND_SLOT_BLOCK_ENDS, lists)};
+      Buffer& records = recorder.buffer("records", 96);
+      AddressUses elsewhere;
+      gpu_types::ListSmallPush push{};
+      push.records = declared ? pass.reads(records) : elsewhere.reads(records);
+      pass.push = PushConstants(push);
     });
   };
-  EXPECT_NE(bound(false).find("forgotten"), std::string::npos) << bound(false);
-  EXPECT_EQ(bound(true), "");
+  EXPECT_NE(list_small(false).find("address records of its push constants"), std::string::npos) << list_small(false);
+  EXPECT_NE(list_small(false).find("the buffer records"), std::string::npos) << list_small(false);
+  EXPECT_EQ(list_small(true), "");
+}
+
+// A buffer of addresses says what they lead to.
+TEST(ShaderInterface, ATableWithoutUsesIsNamed) {
+  const auto groups = [](bool as_table) {
+    return refusal([&](PassRecorder& recorder, ComputePass& pass) {
+      Image& visibility = recorder.image({"visibility", VK_FORMAT_R32G32B32A32_UINT, 4, 4, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+                                          VK_IMAGE_USAGE_SAMPLED_BIT, true});
+      AddressTable& table = recorder.address_table("pool", sizeof(gpu_types::LinkPool));
+      pass.shader = "techniques/linked_list/groups.comp";
+      pass.constants = {{CONSTANT_SAMPLES, 8},
+                        {CONSTANT_FEATURES, 0},
+                        {LINK_CONSTANT_ALLOCATION, 0},
+                        {LINK_CONSTANT_FIRST_BLOCK, 0},
+                        {LINK_CONSTANT_LIGHTING, 0}};
+      pass.bindings = {uniform(recorder.buffer("frame", sizeof(gpu_types::FrameConstants))),
+                       samples(FRAME_SLOT_VISIBILITY, visibility),
+                       as_table ? writes(LINK_SLOT_POOL, table) : writes(LINK_SLOT_POOL, table.buffer()),
+                       writes(LINK_SLOT_GROUPS, recorder.buffer("groups", 12))};
+      pass.push = {};
+    });
+  };
+  EXPECT_NE(groups(false).find("reads at addresses that Pool"), std::string::npos) << groups(false);
+  EXPECT_EQ(groups(true), "");
 }
 
 }  // namespace

@@ -4,17 +4,14 @@
 #include <cmath>
 
 #include "replay/gpu/pass_recorder.hpp"
+#include "shaders/tests/test_interface.h"
 #include "tests/technique/pixel_generator.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
 
 namespace subpixel::replay {
 namespace {
 
-struct Sample {
-  glm::vec3 normal;
-  float depth;
-  std::uint32_t triangle, material;
-};
+using Sample = gpu_types::ClassifiedTestSample;
 
 struct Thresholds {
   float depth_scale = 1, least_cosine = 0.99f;
@@ -69,12 +66,10 @@ void expect_agreement(std::uint32_t samples, std::uint32_t count, Thresholds thr
   gpu::ComputePass pass;
   pass.name = "classify";
   pass.shader = "tests/classify_pixels.comp";
-  pass.constants = {{0, samples}};
-  pass.bindings = {gpu::reads(0, in), gpu::reads(1, slopes), gpu::writes(2, out)};
-  struct {
-    std::uint32_t pixels;
-    float depth_scale, least_cosine;
-  } const push{count, thresholds.depth_scale, thresholds.least_cosine};
+  pass.constants = {{CONSTANT_SAMPLES, samples}};
+  pass.bindings = {gpu::reads(TEST_SLOT_SAMPLES, in), gpu::reads(TEST_SLOT_SLOPES, slopes),
+                   gpu::writes(TEST_SLOT_COMPLEX, out)};
+  const gpu_types::ClassifyTestPush push{count, thresholds.depth_scale, thresholds.least_cosine};
   pass.push = gpu::PushConstants(push);
   pass.groups = {(count + 63) / 64, 1, 1};
   recorder.compute(std::move(pass));

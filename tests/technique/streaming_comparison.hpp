@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "shaders/tests/streaming_test_types.h"
+#include "shaders/tests/streaming_test_interface.h"
 #include "tests/technique/streaming_words.hpp"
 
 namespace subpixel::streaming_test {

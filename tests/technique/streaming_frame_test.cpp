@@ -15,30 +15,30 @@ namespace subpixel::streaming_test {
 namespace {
 
 using gpu_types::StreamTestFragment;
-using replay::FrameSetup;
 using replay::ParameterValues;
+using replay::StreamingSetup;
 
-Options options_of(const FrameSetup& setup) {
+Options options_of(const StreamingSetup& setup) {
   Options o;
-  o.surfaces = static_cast<std::uint32_t>(setup.number("surfaces"));
+  o.surfaces = setup.parameters.surfaces;
   o.samples = setup.samples;
-  o.cos_normal_angle = static_cast<float>(std::cos(setup.number("normal_angle")));
-  o.merge_normals = setup.parameters.at("merge_normals").get<bool>();
-  o.merge_depth = setup.parameters.at("merge_depth").get<bool>();
-  o.merge_coverage = setup.parameters.at("merge_coverage").get<bool>();
-  o.weight_by_coverage = setup.choice("merge_weight") == "coverage";
-  o.depth_tested = setup.choice("occlusion") == "depth_test";
+  o.cos_normal_angle = static_cast<float>(std::cos(setup.parameters.normal_angle));
+  o.merge_normals = setup.parameters.merge_normals;
+  o.merge_depth = setup.parameters.merge_depth;
+  o.merge_coverage = setup.parameters.merge_coverage;
+  o.weight_by_coverage = setup.parameters.merge_weight == replay::StreamingWeight::coverage;
+  o.depth_tested = setup.parameters.occlusion == replay::StreamingOcclusion::depth_test;
   return o;
 }
 
-WordLayout layout_of(const FrameSetup& setup) {
+WordLayout layout_of(const StreamingSetup& setup) {
   const auto features = setup.scene.features();
-  return {setup.samples, static_cast<std::uint32_t>(setup.number("surfaces")), features.has(FEATURE_VARYING_ROUGHNESS),
+  return {setup.samples, setup.parameters.surfaces, features.has(FEATURE_VARYING_ROUGHNESS),
           features.has(FEATURE_EMISSIVE)};
 }
 
 // All pixels that triangles' edges reach, so that no fragment is missing whose mask the technique takes from elsewhere.
-PixelStreams streams_of(const FrameSetup& setup, const WordLayout& layout) {
+PixelStreams streams_of(const StreamingSetup& setup, const WordLayout& layout) {
   gpu::PassRecorder recorder(setup.frontend.device());
   setup.frontend.record_setup(recorder);
   const auto lists = record_fragment_lists(recorder, setup, "collect", replay::ListedMasks::later);
@@ -48,8 +48,9 @@ PixelStreams streams_of(const FrameSetup& setup, const WordLayout& layout) {
   pass.name = "stream";
   pass.shader = "tests/streaming_fragments.comp";
   pass.constants = common_constants(setup);
-  pass.constants.emplace_back(12, setup.choice("depth_space") == "clip" ? STREAM_CLIP_SPACE : 0u);
-  pass.bindings = {gpu::writes(1, stream)};
+  pass.constants.emplace_back(STREAM_CONSTANT_OPTIONS,
+                              setup.parameters.depth_space == replay::StreamingDepth::clip ? STREAM_CLIP_SPACE : 0u);
+  pass.bindings = {gpu::writes(STREAM_TEST_SLOT_OF_FRAME, stream)};
   record_listed_fragments(recorder, setup, *lists, pass);
   recorder.run();
 
@@ -68,7 +69,7 @@ PixelStreams streams_of(const FrameSetup& setup, const WordLayout& layout) {
 }
 
 // The technique's own passes; pixels' words together.
-std::vector<std::uint32_t> state_of(const FrameSetup& setup, const WordLayout& layout) {
+std::vector<std::uint32_t> state_of(const StreamingSetup& setup, const WordLayout& layout) {
   gpu::Device& device = setup.frontend.device();
   gpu::PassRecorder recorder(device);
   const replay::StreamingState state = record_streaming(recorder, setup);
@@ -100,16 +101,15 @@ class FrameScene {
     for (const char* order : orders) {
       given["order"] = order;
       SCOPED_TRACE(nlohmann::json(given).dump());
-      const ParameterValues parameters =
-          check_parameters("streaming", replay::find_technique("streaming").parameters, given);
-      const auto samples = parameters.at("samples").get<std::uint32_t>();
+      const replay::TechniqueSetting setting = replay::find_technique("streaming").with(given);
+      const std::uint32_t samples = setting.parameters->samples;
       if (frontend_.samples() != samples) frontend_.prepare(samples);
       replay::FrameOutputs outputs;
-      const FrameSetup setup{scene_, frontend_, width(), height(), samples, parameters, outputs};
+      const StreamingSetup setup({scene_, frontend_, width(), height(), *setting.parameters, outputs});
       const WordLayout layout = layout_of(setup);
       if (!streams) streams = streams_of(setup, layout);
       const std::vector<std::uint32_t> words = state_of(setup, layout);
-      EXPECT_EQ(outputs.counters.contains("listed_fragments"), setup.choice("order") == "lists");
+      EXPECT_EQ(outputs.counters.contains("listed_fragments"), setup.parameters.order == replay::FragmentOrder::lists);
       totals = expect_same_surfaces(options_of(setup), layout, *streams, words);
     }
     return totals;

@@ -93,12 +93,13 @@ std::vector<std::uint32_t> run_on_device(const Case& wanted, const WordLayout& l
   gpu::ComputePass pass;
   pass.name = "stream";
   pass.shader = "tests/streaming_stream.comp";
-  pass.constants = {{0, o.samples},
-                    {1, features},
-                    {10, o.surfaces},
-                    {11, std::bit_cast<std::uint32_t>(o.cos_normal_angle)},
-                    {12, options}};
-  pass.bindings = {gpu::uniform(frame), gpu::reads(0, ranges), gpu::reads(1, fragments), gpu::writes(2, quads)};
+  pass.constants = {{CONSTANT_SAMPLES, o.samples},
+                    {CONSTANT_FEATURES, features},
+                    {STREAM_CONSTANT_SURFACES, o.surfaces},
+                    {STREAM_CONSTANT_COS_NORMAL_ANGLE, std::bit_cast<std::uint32_t>(o.cos_normal_angle)},
+                    {STREAM_CONSTANT_OPTIONS, options}};
+  pass.bindings = {gpu::uniform(frame), gpu::reads(STREAM_TEST_SLOT_RANGES, ranges),
+                   gpu::reads(STREAM_TEST_SLOT_FRAGMENTS, fragments), gpu::writes(STREAM_TEST_SLOT_QUADS, quads)};
   pass.groups = {static_cast<std::uint32_t>((streams.ranges.size() + 63) / 64), 1, 1};
   recorder.compute(pass);
   recorder.run();

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "shaders/techniques/streaming/streaming_types.h"
+#include "shaders/techniques/streaming/streaming_interface.h"
 #include "tests/technique/streaming_transcription.hpp"
 
 namespace subpixel::streaming_test {

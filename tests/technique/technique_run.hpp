@@ -13,7 +13,7 @@
 
 #include "base/error.hpp"
 #include "capture_format/capture.hpp"
-#include "replay/techniques/frame_setup.hpp"
+#include "replay/techniques/registry.hpp"
 #include "scenes/generate/generate.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
 #include "tests/unit/scene_fixture.hpp"
@@ -50,14 +50,13 @@ struct TechniqueRun {
 inline TechniqueRun run_technique(const capture::Capture& capture, std::string_view name, const ParameterValues& given,
                                   std::uint32_t width, std::uint32_t height, gpu::Device& device = test_device()) {
   const Technique& technique = find_technique(name);
-  const ParameterValues parameters = check_parameters(name, technique.parameters, given);
-  const auto samples = parameters.at("samples").get<std::uint32_t>();
+  const TechniqueSetting setting = technique.with(given);
   GpuScene scene(device, capture, {});
   scene.set_frame(0, width, height);
   Frontend frontend(device, scene);
-  frontend.prepare(samples);
+  frontend.prepare(setting.parameters->samples);
   FrameOutputs outputs;
-  FrameSetup setup{scene, frontend, width, height, samples, parameters, outputs};
+  FrameSetup setup{scene, frontend, width, height, *setting.parameters, outputs};
   gpu::PassRecorder recorder(device);
   technique.record(recorder, setup);
   recorder.run();
@@ -153,8 +152,7 @@ inline void expect_same_on_all_threads(std::string_view technique, const Paramet
 }
 
 inline void expect_refused(std::string_view technique, const ParameterValues& given) {
-  EXPECT_THROW(check_parameters(technique, find_technique(technique).parameters, given), UsageError)
-      << nlohmann::json(given).dump();
+  EXPECT_THROW(find_technique(technique).with(given), UsageError) << nlohmann::json(given).dump();
 }
 
 }  // namespace subpixel::replay

@@ -7,7 +7,7 @@
 
 #include "replay/gpu/litmus.hpp"
 #include "replay/reference/reference.hpp"
-#include "replay/techniques/frame_setup.hpp"
+#include "replay/techniques/registry.hpp"
 #include "scenes/generate/generate.hpp"
 #include "tests/technique/rich_scene.hpp"
 #include "tests/technique/validation_fixture.hpp"
@@ -60,12 +60,11 @@ capture::Capture two_frames(capture::Capture capture) {
 }
 
 void run(gpu::Device& device, GpuScene& scene, const Technique& technique, const ParameterValues& given) {
-  const ParameterValues parameters = check_parameters(technique.name, technique.parameters, given);
-  const auto samples = parameters.at("samples").get<std::uint32_t>();
+  const TechniqueSetting setting = technique.with(given);
   Frontend frontend(device, scene);
-  frontend.prepare(samples);
+  frontend.prepare(setting.parameters->samples);
   FrameOutputs outputs;
-  const FrameSetup setup{scene, frontend, kWidth, kHeight, samples, parameters, outputs};
+  const FrameSetup setup{scene, frontend, kWidth, kHeight, *setting.parameters, outputs};
   gpu::PassRecorder recorder(device);
   technique.record(recorder, setup);
   recorder.run();

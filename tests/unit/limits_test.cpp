@@ -14,7 +14,7 @@
 
 #include "base/error.hpp"
 #include "replay/replay.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 #include "server/nightly/config.hpp"
 #include "server/run_request.hpp"
 #include "tests/technique/run_binary.hpp"

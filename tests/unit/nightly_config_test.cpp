@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 #include "server/nightly/night.hpp"
 
 namespace subpixel::server {

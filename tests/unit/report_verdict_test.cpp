@@ -9,7 +9,7 @@
 #include "bench/report/document.hpp"
 #include "bench/report/store.hpp"
 #include "bench/report/winners.hpp"
-#include "replay/techniques/technique.hpp"
+#include "replay/techniques/registry.hpp"
 
 namespace subpixel::report {
 namespace {
@@ -20,7 +20,7 @@ using replay::ParameterValues;
 FrameResult made_up(const std::string& technique, const ParameterValues& given = {}) {
   FrameResult result;
   result.technique = technique;
-  result.parameters = check_parameters(technique, replay::find_technique(technique).parameters, given);
+  result.parameters = replay::find_technique(technique).with(given).values;
   result.samples = result.parameters.at("samples").get<std::uint32_t>();
   result.width = 100;
   result.height = 10;

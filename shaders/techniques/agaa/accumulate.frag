@@ -4,15 +4,15 @@
 #extension GL_EXT_scalar_block_layout : require
 // Aggregate G-buffer generation (AGAA paper, algorithm 2): a fragment adds its attributes, weighted by the samples it is seen
 // in, to the aggregate of the first of them. Seen is a sample whose triangle is the fragment's: of coplanar duplicates one.
-// Reads: visibility (slot 0), the samples' aggregates (slot 1). Reads and writes: the pixel's aggregates.
+// Reads: visibility (slot 0), the samples' aggregates. Reads and writes: the pixel's aggregates.
 #define WITH_UV
 #define WITH_ATTRIBUTES
 #include "frontend/fragment.glsl"
 #include "include/visibility.glsl"
 #include "techniques/agaa/aggregate.glsl"
 
-layout(constant_id = 7) const uint AGGREGATES = 2u;
-layout(set = 0, binding = 13) uniform usampler2D aggregates;
+layout(constant_id = AGAA_CONSTANT_AGGREGATES) const uint AGGREGATES = 2u;
+layout(set = 0, binding = SAMPLED(AGAA_SLOT_MEMBERSHIP)) uniform usampler2D aggregates;
 #include "techniques/agaa/sums_access.glsl"
 
 void main() {

@@ -14,22 +14,22 @@
 
 #include "include/brdf.glsl"
 #include "include/frame.glsl"
-#include "techniques/agaa/agaa_types.h"
+#include "include/rounding.glsl"
+#include "techniques/agaa/agaa_interface.h"
 
-layout(constant_id = 8) const uint AGAA_OPTIONS = 0u;
+layout(constant_id = AGAA_CONSTANT_OPTIONS) const uint AGAA_OPTIONS = 0u;
 
 bool agaa_option(uint option) { return (AGAA_OPTIONS & option) != 0u; }
 
 #define AGAA_MAX_WORDS 20
-const uint kFloatStorage = AGAA_OPTIONS & AGAA_FLOAT;  // AGAA_FLOAT is bit 0
-const uint kMetal = (FEATURES / FEATURE_METAL) & 1u;
+const uint kFloatStorage = AGAA_OPTIONS & AGAA_FLOAT;
+const uint kMetal = BIT_OF(FEATURES, FEATURE_METAL);
 const uint kByteWord = kMetal != 0u ? 3u : 1u;  // bits 16 to 23 are the roughness, 24 to 31 a mask of 8 samples
 const uint kWideMask = SAMPLES > 8u ? 1u : 0u;
 const uint kMaskWord = kFloatStorage != 0u ? 10u : (kWideMask != 0u ? 3u + kMetal : kByteWord);
-const uint kEmissionWord = kFloatStorage != 0u ? 11u : 3u + kMetal + kWideMask;
-const uint kMomentsWord = kEmissionWord + 3u * ((FEATURES / FEATURE_EMISSIVE) & 1u);
-const uint kMomentsWords = (AGAA_OPTIONS & AGAA_SGGX) == 0u ? 0u : (kFloatStorage != 0u ? 6u : 3u);
-const uint kAggregateWords = kMomentsWord + kMomentsWords;
+const uint kEmissionWord = AGAA_EMISSION_WORD(SAMPLES, FEATURES, AGAA_OPTIONS);
+const uint kMomentsWord = AGAA_MOMENTS_WORD(SAMPLES, FEATURES, AGAA_OPTIONS);
+const uint kAggregateWords = AGAA_WORDS(SAMPLES, FEATURES, AGAA_OPTIONS);
 
 struct Aggregate {
   vec3 normal;        // mean, not longer than 1
@@ -67,7 +67,7 @@ float emission_scale() { return fixed_scale(22u); }
 // thresholds, `dither`, so that rounding adds up to about nothing instead of to a bias.
 uint fixed_field(float value, uint bits, float weight, float dither) {
   float x = clamp(value, 0.0, 1.0) * weight * fixed_scale(bits);
-  return floatBitsToUint(max(x + (dither - 0.5), 0.0) + 8388608.0) & 0x7fffffu;
+  return round_to_even(max(x + (dither - 0.5), 0.0)) & 0x3fffffu;
 }
 
 // Different for every first sample, even over the pixel; in (0, 1).

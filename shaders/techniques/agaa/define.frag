@@ -4,19 +4,15 @@
 #extension GL_EXT_scalar_block_layout : require
 // Aggregate definition (AGAA paper, section 3.3): which aggregate each sample of a pixel belongs to.
 // Reads: visibility (slot 0), face normals. Writes: bits 0 and 1 of every sample's aggregate.
+#include "techniques/agaa/agaa_interface.h"
 #include "include/packing.glsl"
 #include "include/visibility.glsl"
 #include "techniques/agaa/sample_position.glsl"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(constant_id = 7) const uint AGGREGATES = 2u;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(constant_id = AGAA_CONSTANT_AGGREGATES) const uint AGGREGATES = 2u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Faces { uint face[]; };
-layout(push_constant, scalar) uniform Push {
-  mat4 view_from_clip;
-  Faces faces;
-  float inverse_length;
-  float separation;
-} push;
+layout(push_constant, scalar) uniform Push { AgaaDefinePush push; };
 layout(location = 0) out uvec2 out_aggregates;
 
 #include "techniques/agaa/cluster.glsl"

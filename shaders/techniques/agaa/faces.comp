@@ -7,29 +7,18 @@
 // Reads: hull indices, triangle records, positions, indices, instances, frame constants.
 // Writes: at the record's number, the rounded normal in view space with z towards the eye, packed as in packing.glsl.
 layout(local_size_x = 64) in;
+#include "techniques/agaa/agaa_interface.h"
 #include "include/packing.glsl"
-#include "frontend/frontend_types.h"
 #include "techniques/agaa/face_normal.glsl"
-#include "techniques/agaa/agaa_types.h"
 
-layout(constant_id = 8) const uint AGAA_OPTIONS = 0u;
+layout(constant_id = AGAA_CONSTANT_OPTIONS) const uint AGAA_OPTIONS = 0u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Hulls { uint index[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Positions { vec3 position[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Indices { uint index[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Instances { InstanceRecord instance[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Faces { uint face[]; };
-layout(push_constant, scalar) uniform Push {
-  Hulls hulls;
-  Records records;
-  Positions positions;
-  Indices indices;
-  Instances instances;
-  Faces faces;
-  uint hull_triangles;
-  uint row;  // invocations in x
-  float largest_polar;
-} push;
+layout(push_constant, scalar) uniform Push { AgaaFacesPush push; };
 
 void main() {
   uint hull = gl_GlobalInvocationID.y * push.row + gl_GlobalInvocationID.x;

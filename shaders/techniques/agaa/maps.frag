@@ -6,14 +6,15 @@
 // Reads: visibility (slot 0), the pixel's aggregates.
 // Writes: how many; the variance of their normals in thousandths, mean over samples; the largest standard deviation of positions in
 // millimetres.
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(constant_id = 7) const uint AGGREGATES = 2u;
+#include "techniques/agaa/agaa_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(constant_id = AGAA_CONSTANT_AGGREGATES) const uint AGGREGATES = 2u;
 #include "include/visibility.glsl"
 #include "techniques/agaa/shading.glsl"
 #include "techniques/agaa/footprint.glsl"
 #include "techniques/agaa/sums_access.glsl"
 
-layout(push_constant, scalar) uniform Push { mat4 view_from_clip; } push;
+layout(push_constant, scalar) uniform Push { AgaaShadePush push; };
 layout(location = 0) out uint out_aggregates;
 layout(location = 1) out uint out_variance;
 layout(location = 2) out uint out_footprint;

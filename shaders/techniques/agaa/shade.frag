@@ -6,15 +6,16 @@
 // samples over the sky.
 // Reads: visibility (slot 0), the pixel's aggregates, shadow map.
 // Writes: linear radiance with the lighting executions in a; display values.
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(constant_id = 7) const uint AGGREGATES = 2u;
+#include "techniques/agaa/agaa_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(constant_id = AGAA_CONSTANT_AGGREGATES) const uint AGGREGATES = 2u;
 #include "include/resolve.glsl"
 #include "include/visibility.glsl"
 #include "techniques/agaa/shading.glsl"
 #include "techniques/agaa/footprint.glsl"
 #include "techniques/agaa/sums_access.glsl"
 
-layout(push_constant, scalar) uniform Push { mat4 view_from_clip; } push;
+layout(push_constant, scalar) uniform Push { AgaaShadePush push; };
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_display;
 

@@ -6,7 +6,7 @@
 #include "include/lights.glsl"
 #include "techniques/agaa/aggregate.glsl"
 
-layout(constant_id = 9) const uint SHADOW_TAPS = 4u;
+layout(constant_id = AGAA_CONSTANT_SHADOW_TAPS) const uint SHADOW_TAPS = 4u;
 
 // GGX alpha^2 that a unit of variance of the normals adds: Toksvig's exponent is 1 / variance, and alpha^2 = 2 / (exponent + 2).
 const float kSlopeVariance = 2.0;

@@ -1,14 +1,11 @@
 // Where a pixel's aggregates lie: a buffer by address, the words of one aggregate together, the aggregates of one pixel
 // together.
-// Reads: the address and the scene's largest emission in storage slot 0. Needs frame.glsl, AGGREGATES and aggregate.glsl.
+// Reads: AgaaState. Needs frame.glsl, AGGREGATES and aggregate.glsl.
 #ifndef SUBPIXEL_AGAA_SUMS_ACCESS_GLSL
 #define SUBPIXEL_AGAA_SUMS_ACCESS_GLSL
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer AggregateSums { uint words[]; };
-layout(set = 0, binding = 1, scalar) readonly buffer AggregateState {
-  AggregateSums sums;
-  float largest_emission;
-} state;
+layout(set = 0, binding = STORAGE(AGAA_SLOT_STATE), scalar) readonly buffer AggregateState { AgaaState state; };
 
 uint first_word(ivec2 pixel, uint aggregate) {
   return ((uint(pixel.y) * uint(frame.viewport.x) + uint(pixel.x)) * AGGREGATES + aggregate) * kAggregateWords;

@@ -3,7 +3,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // The surfaces of kept fragments.
-// Reads: listed fragments, the camera (storage slot 2), materials. Writes: surfaces.
+// Reads: listed fragments, the camera, materials. Writes: surfaces.
 layout(local_size_x = 64) in;
 #define WITH_UV
 #define WITH_ATTRIBUTES
@@ -13,8 +13,8 @@ layout(local_size_x = 64) in;
 #include "techniques/dcaa/fragment.glsl"
 #include "techniques/dcaa/listed.glsl"
 
-layout(set = 0, binding = 3, scalar) readonly buffer ViewBlock { DcaaView view; };
-layout(set = 0, binding = 4, scalar) readonly buffer SurfacesAddress { ListedSurfaces surfaces; };
+layout(set = 0, binding = STORAGE(DCAA_SLOT_VIEW), scalar) readonly buffer ViewBlock { DcaaView view; };
+layout(set = 0, binding = STORAGE(DCAA_SLOT_SURFACES), scalar) readonly buffer SurfacesAddress { ListedSurfaces surfaces; };
 
 void main() {
   uint number;
@@ -32,7 +32,7 @@ void main() {
     vec2 offset = mask_shading_offset(edges, geometry);
     DcaaView camera = view;
     DcaaSurface s = dcaa_fragment(pixel, fragment_depth(pixel), offset, dcaa_ray(pixel, camera), camera);
-    ListedSurface surface;
+    DcaaListedSurface surface;
     surface.words = uvec4(s.facet.x, floatBitsToUint(s.depth), s.albedo, s.normal);
     surface.more = uvec4(s.roughness, s.emission, s.facet.yz);
     surfaces.surface[number] = surface;

@@ -1,15 +1,15 @@
 // Coverage masks of up to 64 samples for a fragment: exact, or from a table of half-planes (Wang et al. 2015, section 3.1).
-// Reads: the table, storage slot 1. Needs SAMPLES and surface.glsl before it.
+// Reads: the table. Needs SAMPLES and surface.glsl before it.
 #ifndef SUBPIXEL_DCAA_COVERAGE_GLSL
 #define SUBPIXEL_DCAA_COVERAGE_GLSL
 
 #include "include/coverage.glsl"
 
 // Directions of edges, and distances over a pixel, that the table has entries for (coverage_table.hpp).
-layout(constant_id = 15) const uint TABLE_DIRECTIONS = 256u;
-layout(constant_id = 16) const uint TABLE_DISTANCES = 128u;
+layout(constant_id = DCAA_CONSTANT_TABLE_DIRECTIONS) const uint TABLE_DIRECTIONS = 256u;
+layout(constant_id = DCAA_CONSTANT_TABLE_DISTANCES) const uint TABLE_DISTANCES = 128u;
 
-layout(set = 0, binding = 2, scalar) readonly buffer CoverageTable { uvec2 half_planes[]; };
+layout(set = 0, binding = STORAGE(DCAA_SLOT_TABLE), scalar) readonly buffer CoverageTable { uvec2 half_planes[]; };
 
 const uvec2 kWholePixel =
     uvec2(SAMPLES == 16u ? 0xffffu : 0xffffffffu, SAMPLES > 32u ? 0xffffffffu : 0u);
@@ -20,9 +20,9 @@ uvec2 half_plane(float base, float a, float b) {
   float size = abs(a) + abs(b);
   float t = b / size, centre = (base + 0.5) / size;
   float turn = a >= 0.0 ? t + 1.0 : 3.0 - t;
-  uint direction = dcaa_round(turn * float(TABLE_DIRECTIONS / 4u)) & (TABLE_DIRECTIONS - 1u);
+  uint direction = round_to_even(turn * float(TABLE_DIRECTIONS / 4u)) & (TABLE_DIRECTIONS - 1u);
   float along = (centre + 64.0) * (float(TABLE_DISTANCES) / 128.0) + 0.5;
-  uint distance = dcaa_round(clamp(along, 0.0, float(TABLE_DISTANCES + 1u))) & 0xffffu;
+  uint distance = round_to_even(clamp(along, 0.0, float(TABLE_DISTANCES + 1u))) & 0xffffu;
   return half_planes[direction * (TABLE_DISTANCES + 2u) + distance];
 }
 

@@ -8,7 +8,7 @@
 // pixel's fragments; w: those that the table gets wrong.
 #include "techniques/dcaa/fragment_mask.glsl"
 
-layout(input_attachment_index = 0, set = 0, binding = 24) uniform usubpassInput in_found;
+layout(input_attachment_index = 0, set = 0, binding = INPUT_ATTACHMENT(0)) uniform usubpassInput in_found;
 layout(location = 0) out uvec4 out_found;
 
 void main() {

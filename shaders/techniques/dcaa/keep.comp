@@ -6,7 +6,8 @@
 // that it does not rule out; one invocation for each pixel.
 // Reads: records, fragments. Writes: the sorted numbers, the kept ones first; bits and masks of kept fragments.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 64u;
+#include "techniques/dcaa/dcaa_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "frontend/fragment_lists.glsl"
 #include "techniques/dcaa/surface.glsl"
 #include "techniques/dcaa/coverage.glsl"
@@ -14,12 +15,7 @@ layout(constant_id = 0) const uint SAMPLES = 64u;
 #include "techniques/dcaa/listed.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
-layout(push_constant, scalar) uniform Push {
-  ListAddresses lists;
-  Records records;
-  KeptCounts kept;
-  uint width, height;
-} push;
+layout(push_constant, scalar) uniform Push { DcaaKeepPush push; };
 
 #include "frontend/read_ahead.glsl"
 

@@ -3,13 +3,11 @@
 #ifndef SUBPIXEL_DCAA_LISTED_GLSL
 #define SUBPIXEL_DCAA_LISTED_GLSL
 
+#include "techniques/dcaa/dcaa_interface.h"
+
 const uint kKept = 0x80000000u, kNothing = 0xffffffffu;
 
-// Of each kept fragment: facet, depth bits, albedo, normal; roughness, emission, the facet's further words.
-struct ListedSurface {
-  uvec4 words, more;
-};
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ListedSurfaces { ListedSurface surface[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ListedSurfaces { DcaaListedSurface surface[]; };
 // How many fragments of each pixel are kept; their numbers stand first in its part of the list.
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer KeptCounts { uint kept[]; };
 

@@ -4,14 +4,15 @@
 #extension GL_EXT_scalar_block_layout : require
 // variants: IMAGE=-DIMAGE BUFFER=
 // What the merge pass did to each pixel.
-// Reads: the pixel's state, what examine.frag found (sampled slot 1). Writes: surfaces stored, first merges, second merges,
+// Reads: the pixel's state, what examine.frag found. Writes: surfaces stored, first merges, second merges,
 // surfaces discarded, leaks (samples that show the sky though something covers them), wrong decisions of the table.
-layout(constant_id = 0) const uint SAMPLES = 64u;
+#include "techniques/dcaa/dcaa_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "techniques/dcaa/surface.glsl"
 #include "techniques/dcaa/state.glsl"
 #include "techniques/dcaa/state_read.glsl"
 
-layout(set = 0, binding = 13) uniform usampler2D found_image;
+layout(set = 0, binding = SAMPLED(DCAA_SLOT_FOUND)) uniform usampler2D found_image;
 layout(location = 0) out uint out_surfaces;
 layout(location = 1) out uint out_first_merges;
 layout(location = 2) out uint out_second_merges;
@@ -22,16 +23,16 @@ layout(location = 5) out uint out_wrong;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uint word = read_count_word(pixel);
-  uint count = word & ((1u << DCAA_COUNT_BITS) - 1u);
+  uint count = field_of(word, 0u, DCAA_COUNT_BITS);
   DcaaSurface surface[DCAA_MAX_SURFACES];
   read_surfaces(pixel, surface);
   uvec2 covered = uvec2(0u);
   for (uint i = 0u; i < SURFACES; ++i) covered |= i < count ? surface[i].coverage : uvec2(0u);
   uvec4 found = texelFetch(found_image, pixel, 0);
   out_surfaces = count;
-  out_first_merges = (word >> DCAA_FIRST_SHIFT) & ((1u << DCAA_FIRST_BITS) - 1u);
-  out_second_merges = (word >> DCAA_SECOND_SHIFT) & ((1u << DCAA_SECOND_BITS) - 1u);
-  out_discards = (word >> DCAA_DISCARD_SHIFT) & ((1u << DCAA_DISCARD_BITS) - 1u);
+  out_first_merges = field_of(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS);
+  out_second_merges = field_of(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS);
+  out_discards = field_of(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS);
   out_leaks = dcaa_count(found.xy & ~covered);
   out_wrong = found.w;
 }

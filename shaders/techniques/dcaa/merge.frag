@@ -7,7 +7,7 @@
 #endif
 // variants: 3=-DATTACHMENTS=3 4=-DATTACHMENTS=4 5=-DATTACHMENTS=5 6=-DATTACHMENTS=6 7=-DATTACHMENTS=7 8=-DATTACHMENTS=8 BUFFER=-DATTACHMENTS=0 INTERLOCK=-DATTACHMENTS=0,-DINTERLOCK
 // The merge pass: every fragment that the prepass does not rule out goes into its pixel's surfaces.
-// Reads: the prepass's bound (sampled slot 0), the camera (storage slot 2), materials. Reads and writes: the pixel's state
+// Reads: the prepass's bound, the camera, materials. Reads and writes: the pixel's state
 // (state.glsl), in primitive order.
 #define WITH_UV
 #define WITH_ATTRIBUTES
@@ -18,8 +18,8 @@
 #include "techniques/dcaa/state.glsl"
 #include "include/ordered_state.glsl"
 
-layout(set = 0, binding = 3, scalar) readonly buffer ViewBlock { DcaaView view; };
-layout(set = 0, binding = 12) uniform usampler2DArray depth_bound;
+layout(set = 0, binding = STORAGE(DCAA_SLOT_VIEW), scalar) readonly buffer ViewBlock { DcaaView view; };
+layout(set = 0, binding = SAMPLED(DCAA_SLOT_BOUND)) uniform usampler2DArray depth_bound;
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
@@ -39,10 +39,7 @@ void main() {
       for (bool go = mask != uvec2(0u); go; go = false) {
         find_state(pixel);
         DcaaState state;
-        for (uint i = 0u; i < STATE_QUADS; ++i) {
-          uvec4 words = quad(i);
-          for (uint c = 0u; c < 4u; ++c) state.word[4u * i + c] = words[c];
-        }
+        for (uint i = 0u; i < STATE_QUADS; ++i) SET_QUAD_OF(state.word, i, quad(i))
         DcaaSurface surface[DCAA_MAX_SURFACES];
         for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_unpack(state, i);
 
@@ -53,8 +50,7 @@ void main() {
         dcaa_add(state.word[0], surface, fragment, ray, camera);
 
         for (uint i = 0u; i < SURFACES; ++i) dcaa_pack(surface[i], i, state);
-        for (uint i = 0u; i < STATE_QUADS; ++i)
-          set_quad(i, uvec4(state.word[4u * i], state.word[4u * i + 1u], state.word[4u * i + 2u], state.word[4u * i + 3u]));
+        for (uint i = 0u; i < STATE_QUADS; ++i) set_quad(i, QUAD_OF(state.word, i));
         stored = true;
       }
     }

@@ -9,36 +9,9 @@
 #ifndef SUBPIXEL_DCAA_MERGE_GLSL
 #define SUBPIXEL_DCAA_MERGE_GLSL
 
+#include "include/blending.glsl"
+#include "include/ordered_state_words.glsl"
 #include "techniques/dcaa/surface.glsl"
-
-float dcaa_byte(uint word, uint shift) { return float(int((word >> shift) & 255u)); }
-uint dcaa_blend_byte(uint a, uint b, uint shift, float weight_a, float weight_b) {
-  precise float mean = dcaa_byte(a, shift) * weight_a + dcaa_byte(b, shift) * weight_b;
-  return (dcaa_round(mean) & 255u) << shift;
-}
-
-// Both halves of a word.
-uint dcaa_blend_halves(uint a, uint b, float weight_a, float weight_b) {
-  precise float low = float(int(a & 0xffffu)) * weight_a + float(int(b & 0xffffu)) * weight_b;
-  precise float high = float(int(a >> 16)) * weight_a + float(int(b >> 16)) * weight_b;
-  return (dcaa_round(low) & 0xffffu) | (dcaa_round(high) & 0xffffu) << 16;
-}
-
-// Albedo is stored as square roots; its mean is one of linear values.
-uint dcaa_blend_albedo(uint a, uint b, float weight_a, float weight_b) {
-  uint result = has_feature(FEATURE_METAL) ? dcaa_blend_byte(a, b, 24u, weight_a, weight_b) : 0u;
-  for (uint shift = 0u; shift < 24u; shift += 8u) {
-    float root_a = dcaa_byte(a, shift), root_b = dcaa_byte(b, shift);
-    precise float mean = root_a * root_a * weight_a + root_b * root_b * weight_b;
-    result |= (dcaa_round(sqrt(mean)) & 255u) << shift;
-  }
-  return result;
-}
-
-vec3 dcaa_blend(vec3 a, vec3 b, float weight_a, float weight_b) {
-  precise vec3 mean = a * weight_a + b * weight_b;
-  return mean;
-}
 
 // Averages weighted by coverage; coverage by OR (section 3.2).
 DcaaSurface dcaa_merged(DcaaSurface a, DcaaSurface b) {
@@ -47,23 +20,19 @@ DcaaSurface dcaa_merged(DcaaSurface a, DcaaSurface b) {
     weighing_a &= b.depth > a.depth ? ~b.coverage : uvec2(0xffffffffu);
     weighing_b &= b.depth > a.depth ? uvec2(0xffffffffu) : ~a.coverage;
   }
-  float count_a = float(int(dcaa_count(weighing_a))), count_b = float(int(dcaa_count(weighing_b)));
-  float weight_a = count_a / (count_a + count_b), weight_b = count_b / (count_a + count_b);
+  BlendWeights weights = weights_by_samples(dcaa_count(weighing_a), dcaa_count(weighing_b));
   DcaaSurface merged;
   merged.coverage = a.coverage | b.coverage;
-  merged.facet = dcaa_pack_facet(dcaa_blend(dcaa_facet(a.facet), dcaa_facet(b.facet), weight_a, weight_b));
-  precise float depth = a.depth * weight_a + b.depth * weight_b;
-  merged.depth = dcaa_rounded_depth(depth);
-  merged.albedo = dcaa_blend_albedo(a.albedo, b.albedo, weight_a, weight_b);
-  merged.normal = dcaa_pack_shading(dcaa_blend(dcaa_shading(a.normal), dcaa_shading(b.normal), weight_a, weight_b));
-  merged.roughness = has_feature(FEATURE_VARYING_ROUGHNESS) ? dcaa_blend_byte(a.roughness, b.roughness, 0u, weight_a, weight_b) : a.roughness;
+  merged.facet = dcaa_pack_facet(blend(dcaa_facet(a.facet), dcaa_facet(b.facet), weights));
+  merged.depth = dcaa_rounded_depth(blend(a.depth, b.depth, weights));
+  merged.albedo = blend_albedo(a.albedo, b.albedo, weights);
+  merged.normal = dcaa_pack_shading(blend(dcaa_shading(a.normal), dcaa_shading(b.normal), weights));
+  merged.roughness =
+      has_feature(FEATURE_VARYING_ROUGHNESS) ? blend_byte(a.roughness, b.roughness, 0u, weights) : a.roughness;
   merged.moments = uvec3(0u);
   if (dcaa_option(DCAA_SECOND_MOMENTS))
-    for (uint c = 0u; c < 3u; ++c) merged.moments[c] = dcaa_blend_halves(a.moments[c], b.moments[c], weight_a, weight_b);
-  merged.emission = 0u;
-  if (has_feature(FEATURE_EMISSIVE))
-    merged.emission = pack_shared_exponent(
-        dcaa_blend(unpack_shared_exponent(a.emission), unpack_shared_exponent(b.emission), weight_a, weight_b));
+    for (uint c = 0u; c < 3u; ++c) merged.moments[c] = blend_halves(a.moments[c], b.moments[c], weights);
+  merged.emission = blend_emission(a.emission, b.emission, weights);
   return merged;
 }
 
@@ -78,12 +47,6 @@ DcaaSurface dcaa_select(bool condition, DcaaSurface yes, DcaaSurface no) {
   s.emission = condition ? yes.emission : no.emission;
   s.moments = condition ? yes.moments : no.moments;
   return s;
-}
-
-uint dcaa_count_more(uint word, uint shift, uint bits) {
-  uint most = (1u << bits) - 1u;
-  uint value = min(((word >> shift) & most) + 1u, most);
-  return (word & ~(most << shift)) | value << shift;
 }
 
 // How much of the shorter interval the two share, 0 to 1; below 0 when they don't overlap.
@@ -164,14 +127,14 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
     for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(partner == i, with, surface[i]);
     fragment = dcaa_select(partner == SURFACES, with, fragment);
   }
-  word = partner <= SURFACES ? dcaa_count_more(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS)
-                             : dcaa_count_more(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS);
+  word = partner <= SURFACES ? count_more(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS, 1u)
+                             : count_more(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS, 1u);
   for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(leaving == i, fragment, surface[i]);
 }
 
 // Adds a fragment, which covers at least one sample, to the pixel.
 void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment, vec3 ray, DcaaView view) {
-  uint count = word & ((1u << DCAA_COUNT_BITS) - 1u);
+  uint count = field_of(word, 0u, DCAA_COUNT_BITS);
   uint target = count;
   bool merges = false;
   // Loops, here and below, are skipped when no lane needs them.
@@ -197,7 +160,7 @@ void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], Dca
       DcaaSurface old = surface[0];
       for (uint i = 1u; i < SURFACES; ++i) old = dcaa_select(target == i, surface[i], old);
       fragment = dcaa_merged(old, fragment);
-      word = dcaa_count_more(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS);
+      word = count_more(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS, 1u);
     }
   }
   for (bool go = !merges && count == SURFACES; go; go = false) dcaa_make_room(word, surface, fragment, ray, view);

@@ -3,23 +3,18 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // Merges each pixel's kept fragments in submission order, as merge.frag does one by one; one invocation for each pixel.
-// Reads: fragments, their surfaces, the camera (storage slot 2). Writes: the pixel's state.
+// Reads: fragments, their surfaces, the camera. Writes: the pixel's state.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 64u;
+#include "techniques/dcaa/dcaa_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "frontend/fragment_lists.glsl"
 #include "techniques/dcaa/merge.glsl"
 #include "techniques/dcaa/state.glsl"
 #include "techniques/dcaa/listed.glsl"
 
-layout(set = 0, binding = 3, scalar) readonly buffer ViewBlock { DcaaView view; };
+layout(set = 0, binding = STORAGE(DCAA_SLOT_VIEW), scalar) readonly buffer ViewBlock { DcaaView view; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer StateQuads { uvec4 quads[]; };
-layout(push_constant, scalar) uniform Push {
-  ListAddresses lists;
-  ListedSurfaces surfaces;
-  KeptCounts kept;
-  StateQuads state;
-  uint width, height;
-} push;
+layout(push_constant, scalar) uniform Push { DcaaMergePush push; };
 
 void main() {
   ivec2 pixel = invocation_pixel(gl_WorkGroupID.xy, gl_LocalInvocationID.x);
@@ -49,7 +44,5 @@ void main() {
   }
   state.word[0] = word;
   for (uint i = 0u; i < SURFACES; ++i) dcaa_pack(surface[i], i, state);
-  for (uint i = 0u; i < STATE_QUADS; ++i)
-    push.state.quads[p * STATE_QUADS + i] =
-        uvec4(state.word[4u * i], state.word[4u * i + 1u], state.word[4u * i + 2u], state.word[4u * i + 3u]);
+  for (uint i = 0u; i < STATE_QUADS; ++i) push.state.quads[p * STATE_QUADS + i] = QUAD_OF(state.word, i);
 }

@@ -11,8 +11,8 @@
 #include "techniques/dcaa/fragment_mask.glsl"
 #include "techniques/dcaa/depth_bound.glsl"
 
-layout(input_attachment_index = 0, set = 0, binding = 24) uniform usubpassInput in_bound;
-layout(input_attachment_index = 1, set = 0, binding = 25) uniform usubpassInput in_gathered;
+layout(input_attachment_index = 0, set = 0, binding = INPUT_ATTACHMENT(0)) uniform usubpassInput in_bound;
+layout(input_attachment_index = 1, set = 0, binding = INPUT_ATTACHMENT(1)) uniform usubpassInput in_gathered;
 layout(location = 0) out uvec4 out_bound;
 layout(location = 1) out uvec4 out_gathered;
 

@@ -5,9 +5,10 @@
 // variants: IMAGE=-DIMAGE BUFFER= IMAGE_LOBES=-DIMAGE,-DLOBES BUFFER_LOBES=-DLOBES
 // Final depth resolve (Wang et al. 2015, section 3.4): the nearest plane at each sample, one lighting execution for each
 // surface that any sample shows, weights n_i / N; samples that nothing covers show the sky.
-// Reads: the pixel's state, the camera (storage slot 2), shadow map. Writes: linear radiance with the lighting executions in
+// Reads: the pixel's state, the camera, shadow map. Writes: linear radiance with the lighting executions in
 // a; display values.
-layout(constant_id = 0) const uint SAMPLES = 64u;
+#include "techniques/dcaa/dcaa_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #ifdef LOBES
 #include "techniques/agaa/shading.glsl"
 #else
@@ -20,7 +21,7 @@ layout(constant_id = 0) const uint SAMPLES = 64u;
 #include "techniques/dcaa/state.glsl"
 #include "techniques/dcaa/state_read.glsl"
 
-layout(set = 0, binding = 3, scalar) readonly buffer ViewBlock { DcaaView view; };
+layout(set = 0, binding = STORAGE(DCAA_SLOT_VIEW), scalar) readonly buffer ViewBlock { DcaaView view; };
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_display;
 
@@ -77,7 +78,7 @@ vec3 radiance_of(DcaaSurface s, vec2 slope, uvec2 samples) {
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
-  uint count = read_count_word(pixel) & ((1u << DCAA_COUNT_BITS) - 1u);
+  uint count = field_of(read_count_word(pixel), 0u, DCAA_COUNT_BITS);
   vec3 sum = vec3(0.0);
   uint covered = 0u, executions = 0u;
   // Loops, here and below, so that groups of pixels skip what none of them needs.

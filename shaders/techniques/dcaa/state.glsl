@@ -1,16 +1,15 @@
-// A pixel's state as 32-bit words: the count word, then SURFACES surfaces of 7 words (28 bytes, section 4.3), fewer where the
-// scene emits nothing or a mask fits one word, more for the wider formats that the paper compares with and for second moments.
+// A pixel's state as 32-bit words: the count word, then SURFACES surfaces.
 // Needs surface.glsl and SAMPLES before it.
 #ifndef SUBPIXEL_DCAA_STATE_GLSL
 #define SUBPIXEL_DCAA_STATE_GLSL
 
-const uint COVERAGE_WORDS = SAMPLES / 64u + 1u;
-const uint FACET_WORDS = NORMAL_FORMAT == DCAA_NORMAL_3X32 ? 3u : 1u;
-const uint WIDE_DEPTH_WORDS = DEPTH_BITS == 32u ? 1u : 0u;
-const uint EMISSION_WORDS = (FEATURES / FEATURE_EMISSIVE) & 1u;
-const uint MOMENT_WORDS = (DCAA_OPTIONS & DCAA_SECOND_MOMENTS) != 0u ? 3u : 0u;
-const uint SURFACE_WORDS = COVERAGE_WORDS + FACET_WORDS + 3u + WIDE_DEPTH_WORDS + EMISSION_WORDS + MOMENT_WORDS;
-const uint STATE_QUADS = (1u + SURFACES * SURFACE_WORDS + 3u) / 4u;
+const uint COVERAGE_WORDS = DCAA_COVERAGE_WORDS(SAMPLES);
+const uint FACET_WORDS = DCAA_FACET_WORDS(NORMAL_FORMAT);
+const uint WIDE_DEPTH_WORDS = DCAA_WIDE_DEPTH_WORDS(DEPTH_BITS);
+const uint EMISSION_WORDS = BIT_OF(FEATURES, FEATURE_EMISSIVE);
+const uint MOMENT_WORDS = DCAA_MOMENT_WORDS(DCAA_OPTIONS);
+const uint SURFACE_WORDS = DCAA_SURFACE_WORDS(SAMPLES, FEATURES, DCAA_OPTIONS, NORMAL_FORMAT, DEPTH_BITS);
+const uint STATE_QUADS = DCAA_STATE_QUADS(SURFACES, SURFACE_WORDS);
 
 #define MAX_STATE_WORDS 108
 struct DcaaState {

@@ -5,18 +5,18 @@
 #define SUBPIXEL_DCAA_SURFACE_GLSL
 
 #include "include/packing.glsl"
-#include "techniques/dcaa/dcaa_types.h"
+#include "techniques/dcaa/dcaa_interface.h"
 
-layout(constant_id = 10) const uint SURFACES = 4u;
-layout(constant_id = 11) const float COS_NORMAL_ANGLE = 0.98078528;
-layout(constant_id = 12) const uint DCAA_OPTIONS = DCAA_SECOND_MERGE | DCAA_KEEP_FRONT | DCAA_TABLE | DCAA_PREPASS;
-layout(constant_id = 13) const uint NORMAL_FORMAT = DCAA_NORMAL_2X16;
-layout(constant_id = 14) const uint DEPTH_BITS = 24u;
+layout(constant_id = DCAA_CONSTANT_SURFACES) const uint SURFACES = 4u;
+layout(constant_id = DCAA_CONSTANT_COS_NORMAL_ANGLE) const float COS_NORMAL_ANGLE = 0.98078528;
+layout(constant_id = DCAA_CONSTANT_OPTIONS) const uint DCAA_OPTIONS = DCAA_SECOND_MERGE | DCAA_KEEP_FRONT | DCAA_TABLE | DCAA_PREPASS;
+layout(constant_id = DCAA_CONSTANT_NORMAL_FORMAT) const uint NORMAL_FORMAT = DCAA_NORMAL_2X16;
+layout(constant_id = DCAA_CONSTANT_DEPTH_BITS) const uint DEPTH_BITS = 24u;
 
 // How far from the pixel's centre a surface's depth interval reaches, in pixels.
-layout(constant_id = 17) const float DEPTH_REACH = 0.5;
+layout(constant_id = DCAA_CONSTANT_DEPTH_REACH) const float DEPTH_REACH = 0.5;
 // 1 / k of equation 1 (Crassin et al. 2016), for DCAA_NEAREST.
-layout(constant_id = 18) const float INVERSE_LENGTH = 10.0;
+layout(constant_id = DCAA_CONSTANT_INVERSE_LENGTH) const float INVERSE_LENGTH = 10.0;
 
 // M(k) for each surface. Loops over surfaces have to be unrolled, or their arrays lie in memory; drivers don't unroll loops
 // that hold others, or large ones.
@@ -45,13 +45,6 @@ struct DcaaSurface {
 
 uint dcaa_count(uvec2 mask) { return bitCount(mask.x) + (SAMPLES > 32u ? bitCount(mask.y) : 0u); }
 
-// `x` with |x| < 2^22 to the nearest integer, ties to even, in the low bits of the result (two's complement): adding
-// 1.5 * 2^23 leaves it there, where lavapipe would convert one lane at a time.
-uint dcaa_round(float x) {
-  precise float shifted = x + 12582912.0;
-  return floatBitsToUint(shifted);
-}
-
 // Every operation of what follows is given its order, so that surfaces are the same bits everywhere.
 
 vec3 dcaa_unit(vec3 v) {
@@ -61,7 +54,7 @@ vec3 dcaa_unit(vec3 v) {
 }
 
 // `bits` of each component, two's complement, 2^(bits - 1) - 1 standing for 1.
-uint dcaa_snorm(float v, float largest, uint mask) { return dcaa_round(clamp(v, -1.0, 1.0) * largest) & mask; }
+uint dcaa_snorm(float v, float largest, uint mask) { return round_to_even(clamp(v, -1.0, 1.0) * largest) & mask; }
 float dcaa_from_snorm(uint word, uint shift, uint bits, float largest) {
   int value = int(word << (32u - bits - shift)) >> (32u - bits);
   return max(float(value) / largest, -1.0);
@@ -90,7 +83,7 @@ uint dcaa_pack_shading(vec3 n) {
   if (!dcaa_option(DCAA_DISTRIBUTION)) return dcaa_pack_octahedral(n, 32767.0, 16u);
   precise float squared = n.x * n.x + n.y * n.y + n.z * n.z;
   precise float missing = sqrt(max(1.0 - sqrt(squared), 0.0)) * 255.0;
-  return dcaa_pack_octahedral(n, 2047.0, 12u) | (dcaa_round(missing) & 255u) << 24;
+  return dcaa_pack_octahedral(n, 2047.0, 12u) | (round_to_even(missing) & 255u) << 24;
 }
 
 vec3 dcaa_shading(uint word) {
@@ -108,7 +101,7 @@ uvec3 dcaa_moments_of(uint normal) {
   precise vec3 squares = n * n * 65535.0;
   precise vec3 products = (n.xxy * n.yzz * 0.5 + 0.5) * 65535.0;
   uvec3 words;
-  for (uint c = 0u; c < 3u; ++c) words[c] = (dcaa_round(squares[c]) & 0xffffu) | (dcaa_round(products[c]) & 0xffffu) << 16;
+  for (uint c = 0u; c < 3u; ++c) words[c] = (round_to_even(squares[c]) & 0xffffu) | (round_to_even(products[c]) & 0xffffu) << 16;
   return words;
 }
 void dcaa_moments(uvec3 words, out vec3 squares, out vec3 products) {

@@ -1,12 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The sky in the samples that nothing covers, before the fragments are added.
-// Reads: visibility (slot 0).
+// Reads: visibility.
 // Writes: rgb the resolvable sky times those samples, a no lighting execution.
 #include "include/resolve.glsl"
 #include "include/visibility.glsl"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 layout(location = 0) out vec4 out_sum;
 
 void main() {

@@ -3,7 +3,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // Forward shading: each fragment that any sample shows is lit once, for all samples that show it.
-// Reads: visibility (slot 0), which stands for depth testing against a finished depth buffer; shadow map.
+// Reads: visibility, which stands for depth testing against a finished depth buffer; shadow map.
 // Writes (additively): rgb the resolvable value times the samples that show it, a one lighting execution.
 #define WITH_UV
 #define WITH_ATTRIBUTES

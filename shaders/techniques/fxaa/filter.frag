@@ -1,19 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
 // Smooths the steps of edges in a finished image: finds how far a pixel is from the ends of its step and mixes it with the
 // pixel across the edge by the area a straight edge would cut off.
-// Reads: slot 0, display values, whose luminance shows the edges; slot 1, the pixels' resolvable values, which are mixed.
+// Reads: display values, whose luminance shows the edges; the pixels' resolvable values, which are mixed.
 // Writes: linear radiance with the lighting executions in a; display values; one where the pixel changed.
 #include "include/resolve.glsl"
+#include "techniques/fxaa/fxaa_interface.h"
 
-layout(set = 0, binding = 12) uniform sampler2D displayed;
-layout(set = 0, binding = 13) uniform sampler2D values;
-layout(push_constant) uniform Push {
-  float relative_threshold;  // of the brightest neighbour
-  float least_contrast;      // display values
-  float blur;                // strength of the low-pass for single pixels, 0 to 1
-  uint steps;                // pixels followed along an edge in each direction
-} push;
+layout(set = 0, binding = SAMPLED(FXAA_SLOT_DISPLAYED)) uniform sampler2D displayed;
+layout(set = 0, binding = SAMPLED(FXAA_SLOT_VALUES)) uniform sampler2D values;
+layout(push_constant, scalar) uniform Push { FxaaPush push; };
 
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_display;

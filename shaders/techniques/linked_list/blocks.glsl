@@ -6,17 +6,14 @@
 
 #include "include/frame.glsl"
 #include "include/visibility.glsl"
+#include "techniques/linked_list/linked_list_interface.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LinkWords { uint word[]; };
+layout(constant_id = LINK_CONSTANT_ALLOCATION) const uint ALLOCATION = LINK_ALLOCATE_LARGEST;
+layout(constant_id = LINK_CONSTANT_FIRST_BLOCK) const uint FIRST_BLOCK = LINK_FIRST_SAMPLE;
+layout(constant_id = LINK_CONSTANT_LIGHTING) const uint LIGHTING = LINK_LIGHT_BLOCKS;
 
-#include "techniques/linked_list/linked_list_types.h"
-
-layout(constant_id = 10) const uint ALLOCATION = LINK_ALLOCATE_LARGEST;
-layout(constant_id = 11) const uint FIRST_BLOCK = LINK_FIRST_SAMPLE;
-
-layout(constant_id = 12) const uint LIGHTING = LINK_LIGHT_BLOCKS;
-
-layout(set = 0, binding = 1, scalar) buffer Pool { LinkPool pool; };
+layout(set = 0, binding = STORAGE(LINK_SLOT_POOL), scalar) buffer Pool { LinkPool pool; };
 
 const uint kNoBlock = 0xffffffffu;
 // 1 where a pair has its shared word: where one byte beside albedo and normal is too little (one_byte_more() of stored_sample.glsl).

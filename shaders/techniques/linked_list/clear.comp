@@ -5,7 +5,8 @@
 // Empties all lists before the counter gives out blocks; one invocation for each pixel.
 // Writes: the pixels' pointers; no block asked for.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "include/interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/linked_list/blocks.glsl"
 
 void main() {

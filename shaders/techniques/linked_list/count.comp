@@ -3,12 +3,13 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // Counts the dynamic blocks that each tile of pixels needs, by level; one invocation for each tile.
-// Reads: leaders (slot 2). Writes: sums, level by level, the tiles of each in a row; x is to be scanned in place.
+// Reads: leaders. Writes: sums, level by level, the tiles of each in a row; x is to be scanned in place.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "include/interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/linked_list/leaders.glsl"
 
-layout(set = 0, binding = 2, scalar) writeonly buffer Sums { uvec4 sums[]; };
+layout(set = 0, binding = STORAGE(LINK_SLOT_TILE_SUMS), scalar) writeonly buffer Sums { uvec4 sums[]; };
 
 void main() {
   uvec2 tiles = tile_counts();

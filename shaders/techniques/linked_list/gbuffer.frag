@@ -5,7 +5,7 @@
 // The geometry pass: each visible fragment writes its surface to one block.
 // The fragment with the pixel's chosen sample writes the pixel's own block, any other a dynamic one: the one that link.comp
 // gave it, or (ATOMIC) the next of a counter, which it puts before the pixel's list. Without a block left it writes nothing.
-// Reads: visibility (slot 0), pointers. Writes: surfaces of the blocks; ATOMIC: pointers, owners and the counter.
+// Reads: visibility, pointers. Writes: surfaces of the blocks; ATOMIC: pointers, owners and the counter.
 #define WITH_UV
 #define WITH_ATTRIBUTES
 #include "frontend/fragment.glsl"

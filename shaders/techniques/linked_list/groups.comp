@@ -5,11 +5,12 @@
 // The workgroups that light the dynamic blocks.
 // Reads: how many there are. Writes: three group counts.
 layout(local_size_x = 1) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "include/interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "deferred/pixel_list.glsl"
 #include "techniques/linked_list/blocks.glsl"
 
-layout(set = 0, binding = 2, scalar) writeonly buffer Groups { uint groups[3]; };
+layout(set = 0, binding = STORAGE(LINK_SLOT_GROUPS), scalar) writeonly buffer Groups { uint groups[3]; };
 
 void main() {
   uint count = (min(pool.allocated, pool.capacity) + kPixelGroup - 1u) / kPixelGroup;

@@ -3,8 +3,9 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // The fragments of each pixel that need a dynamic block.
-// Reads: visibility (slot 0). Writes: dynamic_leaders().
-layout(constant_id = 0) const uint SAMPLES = 8u;
+// Reads: visibility. Writes: dynamic_leaders().
+#include "include/interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #define WRITES_LEADERS
 #include "include/coverage.glsl"
 #include "techniques/linked_list/leaders.glsl"

@@ -6,7 +6,7 @@
 #include "techniques/linked_list/blocks.glsl"
 
 #ifndef WRITES_LEADERS
-layout(set = 0, binding = 14) uniform usampler2D leaders_image;
+layout(set = 0, binding = SAMPLED(LINK_SLOT_LEADERS)) uniform usampler2D leaders_image;
 #endif
 
 struct PixelTriangles {

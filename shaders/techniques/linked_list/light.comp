@@ -3,9 +3,10 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // Lights the dynamic blocks, one invocation each, so that no lane waits for a longer list.
-// Reads: owners, visibility (slot 0), blocks, shadow map. Writes: lit values in the place of albedo and normal.
+// Reads: owners, visibility, blocks, shadow map. Writes: lit values in the place of albedo and normal.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "include/interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "include/lights.glsl"
 #include "include/resolve.glsl"
 #include "deferred/pixel_list.glsl"

@@ -4,13 +4,14 @@
 #extension GL_EXT_scalar_block_layout : require
 // Gives the fragments their dynamic blocks and links each pixel's list, lowest samples first; one invocation for each tile.
 // A fragment whose place lies beyond the pool gets none.
-// Reads: leaders (slot 2), scanned sums with the total behind the last. Writes: all pointers of the
+// Reads: leaders, scanned sums with the total behind the last. Writes: all pointers of the
 // pool, owners, the blocks asked for.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "include/interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/linked_list/leaders.glsl"
 
-layout(set = 0, binding = 2, scalar) readonly buffer Sums { uvec4 sums[]; };
+layout(set = 0, binding = STORAGE(LINK_SLOT_TILE_SUMS), scalar) readonly buffer Sums { uvec4 sums[]; };
 
 void main() {
   uvec2 tiles = tile_counts();

@@ -1,5 +1,5 @@
 // A pixel's list as the passes after the geometry read it.
-// Reads: visibility (slot 0), pointers. Needs SAMPLES before it.
+// Reads: visibility, pointers. Needs SAMPLES before it.
 #ifndef SUBPIXEL_LINKED_LIST_LIST_GLSL
 #define SUBPIXEL_LINKED_LIST_LIST_GLSL
 

@@ -3,9 +3,10 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // What became of each pixel's fragments.
-// Reads: visibility (slot 0), pointers. Writes: blocks that hold a surface, samples of fragments that found the pool full,
+// Reads: visibility, pointers. Writes: blocks that hold a surface, samples of fragments that found the pool full,
 // those of them that show the sky because the pixel's own block holds nothing.
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "include/interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "include/coverage.glsl"
 #include "techniques/linked_list/list.glsl"
 

@@ -4,8 +4,9 @@
 #extension GL_EXT_scalar_block_layout : require
 // The lighting pass: one lighting execution for each block of the pixel's list, weighted by its samples; or, when light.comp
 // has lit the dynamic blocks, of the pixel's own, and the sum.
-// Reads: visibility (slot 0), blocks, shadow map. Writes: linear radiance with the lighting executions in a; display values.
-layout(constant_id = 0) const uint SAMPLES = 8u;
+// Reads: visibility, blocks, shadow map. Writes: linear radiance with the lighting executions in a; display values.
+#include "include/interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "include/lights.glsl"
 #include "include/resolve.glsl"
 #include "techniques/linked_list/list.glsl"

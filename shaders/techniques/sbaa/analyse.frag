@@ -3,19 +3,17 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // The surfaces of each pixel, from depth, primitive and normal of its samples.
-// Reads: visibility (slot 0); normals and slopes of triangles.
+// Reads: visibility; normals and slopes of triangles.
 // Writes: the kept surfaces, 16 bits each; how many they are; how many samples belong to the others.
 #include "include/packing.glsl"
 #include "include/visibility.glsl"
+#include "techniques/sbaa/sbaa_interface.h"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(constant_id = 7) const uint SURFACES = 4u;
-layout(constant_id = 8) const bool MERGE = true;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(constant_id = SBAA_CONSTANT_SURFACES) const uint SURFACES = 4u;
+layout(constant_id = SBAA_CONSTANT_MERGE) const bool MERGE = true;
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Faces { uvec2 face[]; };
-layout(push_constant, scalar) uniform Push {
-  Faces faces;
-  float cosine;
-} push;
+layout(push_constant, scalar) uniform Push { SbaaAnalysePush push; };
 layout(location = 0) out uvec4 out_surfaces;
 layout(location = 1) out uint out_count;
 layout(location = 2) out uint out_dropped;

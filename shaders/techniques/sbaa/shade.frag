@@ -1,20 +1,23 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
 // Shades the kept surfaces of a pixel; the samples of those that were not kept are left out of the mean.
-// Reads: visibility (slot 0), surfaces (slot 1), their G-buffer (slot 2), samples not kept (slot 3), shadow map.
+// Reads: visibility, surfaces, their G-buffer, samples not kept, shadow map.
 // Writes: rgb the sum of the samples' resolvable values, a the lighting executions.
 #include "deferred/stored_sample.glsl"
 #include "include/lights.glsl"
 #include "include/resolve.glsl"
 #include "include/visibility.glsl"
 #include "frontend/sample_patterns.h"
+#include "techniques/sbaa/sbaa_interface.h"
 #include "techniques/sbaa/surface_words.glsl"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(constant_id = 7) const uint SURFACES = 4u;
-layout(set = 0, binding = 13) uniform usampler2D surfaces;
-layout(set = 0, binding = 14) uniform usampler2DArray gbuffer;
-layout(set = 0, binding = 15) uniform usampler2D dropped;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(constant_id = SBAA_CONSTANT_SURFACES) const uint SURFACES = 4u;
+layout(set = 0, binding = SAMPLED(SBAA_SLOT_SURFACES)) uniform usampler2D surfaces;
+layout(set = 0, binding = SAMPLED(SBAA_SLOT_GBUFFER)) uniform usampler2DArray gbuffer;
+layout(set = 0, binding = SAMPLED(SBAA_SLOT_DROPPED)) uniform usampler2D dropped;
 layout(location = 0) out vec4 out_sum;
 
 // Where the attributes of a surface were taken, as near as depth and description tell: the pixel's centre when it has all

@@ -4,7 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 // variants: WIDE=-DHALVES=0 NARROW=-DHALVES=1
 // The G-buffer samples of the kept surfaces: a fragment whose first visible sample is a kept surface's first is stored.
-// Reads: visibility (slot 0), surfaces (slot 1).
+// Reads: visibility, surfaces.
 // Writes: to the surface's layer, a sample as in stored_sample.glsl, NARROW: in halves of words. One fragment at most writes a
 // texel, so they need no order.
 #define WITH_UV
@@ -12,14 +12,15 @@
 #include "frontend/fragment.glsl"
 #include "deferred/stored_sample.glsl"
 #include "include/visibility.glsl"
+#include "techniques/sbaa/sbaa_interface.h"
 #include "techniques/sbaa/surface_words.glsl"
 
-layout(constant_id = 7) const uint SURFACES = 4u;
-layout(set = 0, binding = 13) uniform usampler2D surfaces;
+layout(constant_id = SBAA_CONSTANT_SURFACES) const uint SURFACES = 4u;
+layout(set = 0, binding = SAMPLED(SBAA_SLOT_SURFACES)) uniform usampler2D surfaces;
 #if HALVES
-layout(set = 0, binding = 20, rgba16ui) writeonly uniform uimage2DArray out_surfaces;
+layout(set = 0, binding = STORAGE_IMAGE(SBAA_SLOT_STORED), rgba16ui) writeonly uniform uimage2DArray out_surfaces;
 #else
-layout(set = 0, binding = 20, rgba32ui) writeonly uniform uimage2DArray out_surfaces;
+layout(set = 0, binding = STORAGE_IMAGE(SBAA_SLOT_STORED), rgba32ui) writeonly uniform uimage2DArray out_surfaces;
 #endif
 
 void main() {

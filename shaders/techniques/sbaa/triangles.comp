@@ -7,24 +7,11 @@
 // viewer's side (2 x 16 bits, octahedral) and the bits of |dz/dx| + |dz/dy|.
 layout(local_size_x = 64) in;
 #include "include/packing.glsl"
-#include "frontend/frontend_types.h"
+#include "frontend/buffers.glsl"
+#include "techniques/sbaa/sbaa_interface.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Hulls { uint index[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Positions { vec3 position[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Indices { uint index[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Instances { InstanceRecord instance[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer Faces { uvec2 face[]; };
-layout(push_constant, scalar) uniform Push {
-  Hulls hulls;
-  Records records;
-  Positions positions;
-  Indices indices;
-  Instances instances;
-  Faces faces;
-  uint hull_triangles;
-  uint row;  // invocations in x
-} push;
+layout(push_constant, scalar) uniform Push { SbaaTrianglesPush push; };
 
 void main() {
   uint hull = gl_GlobalInvocationID.y * push.row + gl_GlobalInvocationID.x;

@@ -3,19 +3,16 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 // Tells the pixels whose samples agree from those that need shading per sample.
-// Reads: visibility (slot 0), G-buffer of full samples (slot 1), triangle records.
+// Reads: visibility, G-buffer of full samples, triangle records.
 // Writes: 1 for a complex pixel, else 0.
 #include "include/packing.glsl"
 #include "include/visibility.glsl"
+#include "frontend/buffers.glsl"
+#include "techniques/simple_complex/simple_complex_interface.h"
 
-layout(constant_id = 0) const uint SAMPLES = 8u;
-layout(set = 0, binding = 13) uniform usampler2DArray gbuffer;
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
-layout(push_constant, scalar) uniform Push {
-  Records records;
-  float depth_scale;
-  float least_cosine;
-} push;
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
+layout(set = 0, binding = SAMPLED(SHADE_SLOT_GBUFFER)) uniform usampler2DArray gbuffer;
+layout(push_constant, scalar) uniform Push { SimpleComplexClassifyPush push; };
 layout(location = 0) out uint out_complex;
 
 #include "techniques/simple_complex/classification.glsl"

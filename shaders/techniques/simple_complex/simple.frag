@@ -1,12 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
 // variants: SIMPLE= BOTH=-DWITH_COMPLEX
 // Shades the pixels whose samples agree by their sample 0; BOTH: the complex ones too, sample by sample.
-// Reads: visibility (slot 0), G-buffer of full samples (slot 1), complex flags (slot 2), shadow map.
+// Reads: visibility, G-buffer of full samples, complex flags, shadow map.
 // Writes: rgb the sum of the samples' resolvable values, a the lighting executions; nothing for what is not its own.
 #include "shade/full_sample.glsl"
+#include "techniques/simple_complex/simple_complex_interface.h"
 
-layout(set = 0, binding = 14) uniform usampler2D complex_flags;
+layout(set = 0, binding = SAMPLED(SIMPLE_COMPLEX_SLOT_FLAGS)) uniform usampler2D complex_flags;
 layout(location = 0) out vec4 out_sum;
 
 void main() {

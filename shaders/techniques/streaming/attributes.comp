@@ -12,7 +12,7 @@ layout(local_size_x = 64) in;
 #include "techniques/streaming/fragment.glsl"
 #include "techniques/streaming/listed.glsl"
 
-layout(set = 0, binding = 2, scalar) readonly buffer SurfacesAddress { ListedSurfaces surfaces; };
+layout(set = 0, binding = STORAGE(STREAM_SLOT_SURFACES), scalar) readonly buffer SurfacesAddress { ListedSurfaces surfaces; };
 
 void main() {
   uint number;
@@ -28,7 +28,7 @@ void main() {
       for (bool again = tested; again; again = false) geometry = coverage_mask(edges, SAMPLES, 0u, SAMPLES);
     }
     StreamSurface s = stream_fragment(pixel, edges, fragment_depth(pixel), geometry);
-    ListedSurface surface;
+    StreamListedSurface surface;
     surface.words = uvec4(floatBitsToUint(s.depth), s.slopes, s.albedo, s.normal);
     surface.more = uvec2(s.roughness, s.emission);
     surfaces.surface[number] = surface;

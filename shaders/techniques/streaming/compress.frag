@@ -53,10 +53,7 @@ void main() {
     }
     for (bool go = passed != 0u; go; go = false) {
       StreamList list;
-      for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i) {
-        uvec4 words = quad(DEPTH_QUADS + i);
-        for (uint c = 0u; c < 4u; ++c) list.word[4u * i + c] = words[c];
-      }
+      for (uint i = 0u; i < LIST_QUADS; ++i) SET_QUAD_OF(list.word, i, quad(DEPTH_QUADS + i))
       uint word;
       StreamSurface surface[STREAM_MAX_SURFACES];
       stream_unpack(list, word, surface);
@@ -68,9 +65,7 @@ void main() {
 
       stream_pack(word, surface, list);
       for (uint i = 0u; i < DEPTH_QUADS; ++i) set_quad(i, depths[i]);
-      for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i)
-        set_quad(DEPTH_QUADS + i,
-                 uvec4(list.word[4u * i], list.word[4u * i + 1u], list.word[4u * i + 2u], list.word[4u * i + 3u]));
+      for (uint i = 0u; i < LIST_QUADS; ++i) set_quad(DEPTH_QUADS + i, QUAD_OF(list.word, i));
     }
   }
   end_ordered();

@@ -9,13 +9,14 @@
 #ifndef SUBPIXEL_STREAMING_COMPRESS_GLSL
 #define SUBPIXEL_STREAMING_COMPRESS_GLSL
 
+#include "include/blending.glsl"
 #include "include/coverage.glsl"
-#include "include/packing.glsl"
-#include "techniques/streaming/streaming_types.h"
+#include "include/ordered_state_words.glsl"
+#include "techniques/streaming/streaming_interface.h"
 
-layout(constant_id = 10) const uint SURFACES = 3u;
-layout(constant_id = 11) const float COS_NORMAL_ANGLE = 0.70710678;
-layout(constant_id = 12) const uint STREAM_OPTIONS = STREAM_MERGE_NORMALS | STREAM_MERGE_DEPTH | STREAM_MERGE_COVERAGE;
+layout(constant_id = STREAM_CONSTANT_SURFACES) const uint SURFACES = 3u;
+layout(constant_id = STREAM_CONSTANT_COS_NORMAL_ANGLE) const float COS_NORMAL_ANGLE = 0.70710678;
+layout(constant_id = STREAM_CONSTANT_OPTIONS) const uint STREAM_OPTIONS = STREAM_MERGE_NORMALS | STREAM_MERGE_DEPTH | STREAM_MERGE_COVERAGE;
 
 bool stream_option(uint option) { return (STREAM_OPTIONS & option) != 0u; }
 
@@ -62,52 +63,18 @@ vec3 stream_normal(uint packed) {
   return normal;
 }
 
-// `x` in 0 to 2^22 to the nearest integer, ties to even: adding 2^23 leaves it in the low bits, where lavapipe would convert
-// one lane at a time.
-uint stream_round(float x) {
-  precise float shifted = x + 8388608.0;
-  return floatBitsToUint(shifted) & 0x7fffffu;
-}
-float stream_float8(uint word, uint shift) { return float(int((word >> shift) & 255u)); }
-
-uint stream_blend8(uint a, uint b, uint shift, float weight_a, float weight_b) {
-  precise float mean = stream_float8(a, shift) * weight_a + stream_float8(b, shift) * weight_b;
-  return stream_round(mean) << shift;
-}
-
-// Albedo is stored as square roots; its mean is one of linear values.
-uint stream_blend_albedo(uint a, uint b, float weight_a, float weight_b) {
-  uint result = stream_blend8(a, b, 24u, weight_a, weight_b);
-  for (uint shift = 0u; shift < 24u; shift += 8u) {
-    float root_a = stream_float8(a, shift), root_b = stream_float8(b, shift);
-    precise float mean = root_a * root_a * weight_a + root_b * root_b * weight_b;
-    result |= stream_round(sqrt(mean)) << shift;
-  }
-  return result;
-}
-
 StreamSurface stream_merged(StreamSurface a, StreamSurface b) {
-  float weight_a = 0.5, weight_b = 0.5;
-  if (stream_option(STREAM_WEIGHT_COVERAGE)) {
-    float count_a = float(int(bitCount(a.coverage))), count_b = float(int(bitCount(b.coverage)));
-    weight_a = count_a / (count_a + count_b);
-    weight_b = count_b / (count_a + count_b);
-  }
+  BlendWeights weights = BlendWeights(0.5, 0.5);
+  if (stream_option(STREAM_WEIGHT_COVERAGE)) weights = weights_by_samples(bitCount(a.coverage), bitCount(b.coverage));
   StreamSurface merged;
   merged.depth = min(a.depth, b.depth);
-  precise vec2 slopes = unpackHalf2x16(a.slopes) * weight_a + unpackHalf2x16(b.slopes) * weight_b;
-  merged.slopes = stream_pack_slopes(slopes);
+  merged.slopes = stream_pack_slopes(blend(unpackHalf2x16(a.slopes), unpackHalf2x16(b.slopes), weights));
   merged.coverage = a.coverage | b.coverage;
   merged.resolved = a.resolved | b.resolved;
-  merged.albedo = stream_blend_albedo(a.albedo, b.albedo, weight_a, weight_b);
-  precise vec3 normal = stream_normal(a.normal) * weight_a + stream_normal(b.normal) * weight_b;
-  merged.normal = pack_normal(normal);
-  merged.roughness = stream_blend8(a.roughness, b.roughness, 0u, weight_a, weight_b);
-  merged.emission = 0u;
-  if (has_feature(FEATURE_EMISSIVE)) {
-    precise vec3 emission = unpack_shared_exponent(a.emission) * weight_a + unpack_shared_exponent(b.emission) * weight_b;
-    merged.emission = pack_shared_exponent(emission);
-  }
+  merged.albedo = blend_albedo(a.albedo, b.albedo, weights);
+  merged.normal = pack_normal(blend(stream_normal(a.normal), stream_normal(b.normal), weights));
+  merged.roughness = blend_byte(a.roughness, b.roughness, 0u, weights);
+  merged.emission = blend_emission(a.emission, b.emission, weights);
   return merged;
 }
 
@@ -133,12 +100,6 @@ StreamSurface stream_select(bool condition, StreamSurface yes, StreamSurface no)
   s.roughness = condition ? yes.roughness : no.roughness;
   s.emission = condition ? yes.emission : no.emission;
   return s;
-}
-
-uint stream_count_more(uint word, uint shift, uint bits, uint more) {
-  uint most = (1u << bits) - 1u;
-  uint value = min(((word >> shift) & most) + more, most);
-  return (word & ~(most << shift)) | value << shift;
 }
 
 // Slots of surfaces that the fragment may merge with (section 3.1), bit i for slot i.
@@ -208,8 +169,7 @@ uint stream_fuse(inout StreamSurface surface[STREAM_MAX_SURFACES], uint order, i
 // Adds a fragment to the pixel. `fragment.resolved` is its coverage; with STREAM_DEPTH_TESTED, those of its samples that
 // passed the depth test, which nothing stored so far can show any more.
 void stream_add(inout uint word, inout StreamSurface surface[STREAM_MAX_SURFACES], StreamSurface fragment) {
-  uint count = word & ((1u << STREAM_COUNT_BITS) - 1u);
-  uint order = (word >> STREAM_ORDER_SHIFT) & ((1u << STREAM_ORDER_BITS) - 1u);
+  uint count = field_of(word, 0u, STREAM_COUNT_BITS), order = field_of(word, STREAM_ORDER_SHIFT, STREAM_ORDER_BITS);
   uint hidden = stream_option(STREAM_DEPTH_TESTED) ? fragment.resolved : 0u;
   for (uint i = 0u; i < SURFACES; ++i) surface[i].resolved &= ~hidden;
   uint matches = stream_matches(surface, count, fragment);
@@ -230,7 +190,7 @@ void stream_add(inout uint word, inout StreamSurface surface[STREAM_MAX_SURFACES
     StreamSurface old = surface[0];
     for (uint i = 1u; i < SURFACES; ++i) old = stream_select(target == i, surface[i], old);
     fragment = stream_merged(old, fragment);
-    word = stream_count_more(word, STREAM_MERGES_SHIFT, STREAM_MERGES_BITS, 1u);
+    word = count_more(word, STREAM_MERGES_SHIFT, STREAM_MERGES_BITS, 1u);
   }
   for (bool go = !merges && count == SURFACES; go; go = false) {
     uint left;
@@ -238,7 +198,7 @@ void stream_add(inout uint word, inout StreamSurface surface[STREAM_MAX_SURFACES
     stored = discarded != SURFACES;
     target = leaving = discarded;
     word |= left != 0u ? 1u << STREAM_DISCARD_SHIFT : 0u;
-    word = stream_count_more(word, STREAM_DROPPED_SHIFT, STREAM_DROPPED_BITS, left);
+    word = count_more(word, STREAM_DROPPED_SHIFT, STREAM_DROPPED_BITS, left);
   }
 
   for (uint i = 0u; i < SURFACES; ++i) {

@@ -6,7 +6,8 @@
 // Reads: records, fragments. Writes: the sorted numbers, those that passed first; with each the samples that passed; the depths
 // of the pixel's state.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "techniques/streaming/streaming_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "frontend/fragment_lists.glsl"
 #include "techniques/streaming/compress.glsl"
 #include "techniques/streaming/state.glsl"
@@ -14,13 +15,7 @@ layout(constant_id = 0) const uint SAMPLES = 8u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer StateQuads { uvec4 quads[]; };
-layout(push_constant, scalar) uniform Push {
-  ListAddresses lists;
-  Records records;
-  StateQuads state;
-  PassedCounts passed;
-  uint width, height;
-} push;
+layout(push_constant, scalar) uniform Push { StreamDepthTestPush push; };
 #include "frontend/read_ahead.glsl"
 
 void main() {

@@ -3,12 +3,9 @@
 #ifndef SUBPIXEL_STREAMING_LISTED_GLSL
 #define SUBPIXEL_STREAMING_LISTED_GLSL
 
-// Of each fragment that passed: depth bits, slopes, albedo, normal; roughness and emission.
-struct ListedSurface {
-  uvec4 words;
-  uvec2 more;
-};
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer ListedSurfaces { ListedSurface surface[]; };
+#include "techniques/streaming/streaming_interface.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer ListedSurfaces { StreamListedSurface surface[]; };
 // How many fragments of each pixel passed; their numbers stand first in its part of the list.
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PassedCounts { uint passed[]; };
 

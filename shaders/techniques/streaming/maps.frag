@@ -6,7 +6,8 @@
 // What the compression pass did to each pixel.
 // Reads: the pixel's state. Writes: merges, samples discarded while visible, surfaces stored, neighbours in the front-to-back
 // order that stand the wrong way round.
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "techniques/streaming/streaming_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/streaming/compress.glsl"
 #include "techniques/streaming/state.glsl"
 #include "techniques/streaming/state_read.glsl"
@@ -19,8 +20,7 @@ layout(location = 3) out uint out_order_errors;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uint word = read_count_word(pixel);
-  uint count = word & ((1u << STREAM_COUNT_BITS) - 1u);
-  uint order = (word >> STREAM_ORDER_SHIFT) & ((1u << STREAM_ORDER_BITS) - 1u);
+  uint count = field_of(word, 0u, STREAM_COUNT_BITS), order = field_of(word, STREAM_ORDER_SHIFT, STREAM_ORDER_BITS);
   StreamSurface surface[STREAM_MAX_SURFACES];
   read_surfaces(pixel, surface);
   uint errors = 0u;
@@ -31,8 +31,8 @@ void main() {
     errors += place > 0u && place < count && depth < before ? 1u : 0u;
     before = depth;
   }
-  out_merges = (word >> STREAM_MERGES_SHIFT) & ((1u << STREAM_MERGES_BITS) - 1u);
-  out_discards = (word >> STREAM_DROPPED_SHIFT) & ((1u << STREAM_DROPPED_BITS) - 1u);
+  out_merges = field_of(word, STREAM_MERGES_SHIFT, STREAM_MERGES_BITS);
+  out_discards = field_of(word, STREAM_DROPPED_SHIFT, STREAM_DROPPED_BITS);
   out_surfaces = count;
   out_order_errors = errors;
 }

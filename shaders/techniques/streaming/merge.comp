@@ -5,20 +5,15 @@
 // Merges each pixel's fragments in submission order, as compress.frag does one by one; one invocation for each pixel.
 // Reads: fragments that passed, their surfaces. Writes: the surfaces of the pixel's state.
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "techniques/streaming/streaming_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "frontend/fragment_lists.glsl"
 #include "techniques/streaming/compress.glsl"
 #include "techniques/streaming/state.glsl"
 #include "techniques/streaming/listed.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer StateQuads { uvec4 quads[]; };
-layout(push_constant, scalar) uniform Push {
-  ListAddresses lists;
-  ListedSurfaces surfaces;
-  StateQuads state;
-  PassedCounts passed;
-  uint width, height;
-} push;
+layout(push_constant, scalar) uniform Push { StreamMergePush push; };
 
 void main() {
   ivec2 pixel = invocation_pixel(gl_WorkGroupID.xy, gl_LocalInvocationID.x);
@@ -47,7 +42,5 @@ void main() {
     stream_add(word, surface, fragment);
   }
   stream_pack(word, surface, list);
-  for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i)
-    push.state.quads[p * STATE_QUADS + DEPTH_QUADS + i] =
-        uvec4(list.word[4u * i], list.word[4u * i + 1u], list.word[4u * i + 2u], list.word[4u * i + 3u]);
+  for (uint i = 0u; i < LIST_QUADS; ++i) push.state.quads[p * STATE_QUADS + DEPTH_QUADS + i] = QUAD_OF(list.word, i);
 }

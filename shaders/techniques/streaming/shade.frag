@@ -6,7 +6,8 @@
 // Resolve (Kerzner and Salvi 2014, section 3.3): visibility of each sample from the surfaces' planes, one lighting execution
 // for each surface that any sample shows, their mean by samples.
 // Reads: the pixel's state, shadow map. Writes: linear radiance with the lighting executions in a; display values.
-layout(constant_id = 0) const uint SAMPLES = 8u;
+#include "techniques/streaming/streaming_interface.h"
+layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "include/lights.glsl"
 #include "include/resolve.glsl"
 #include "techniques/streaming/compress.glsl"
@@ -33,8 +34,7 @@ float depth_at(Shown shown, uint place, uint i) {
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uint word = read_count_word(pixel);
-  uint count = word & ((1u << STREAM_COUNT_BITS) - 1u);
-  uint order = (word >> STREAM_ORDER_SHIFT) & ((1u << STREAM_ORDER_BITS) - 1u);
+  uint count = field_of(word, 0u, STREAM_COUNT_BITS), order = field_of(word, STREAM_ORDER_SHIFT, STREAM_ORDER_BITS);
   vec3 sky = resolvable(frame.sky.rgb);
   vec3 sum = vec3(0.0);
   uint covered = 0u, executions = 0u;

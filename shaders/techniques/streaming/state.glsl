@@ -7,15 +7,14 @@
 #define SUBPIXEL_STREAMING_STATE_GLSL
 
 const uint DEPTH_QUADS = SAMPLES / 4u;
-const uint ROUGHNESS_WORDS = ((FEATURES / FEATURE_VARYING_ROUGHNESS) & 1u) * (SAMPLES / 16u - SAMPLES / 32u);
-const uint EMISSION_WORDS = (FEATURES / FEATURE_EMISSIVE) & 1u;
-// Up to 8 samples, both masks and the roughness share a word; at 32 each mask has its own.
+const uint ROUGHNESS_WORDS = STREAM_ROUGHNESS_WORDS(SAMPLES, FEATURES);
+const uint EMISSION_WORDS = BIT_OF(FEATURES, FEATURE_EMISSIVE);
 const uint RESOLVED_WORDS = SAMPLES / 32u;
-const uint SURFACE_WORDS = 5u + RESOLVED_WORDS + ROUGHNESS_WORDS + EMISSION_WORDS;
-const uint STATE_QUADS = (SAMPLES + 1u + SURFACES * SURFACE_WORDS + 3u) / 4u;
-#define MAX_STATE_QUADS 17u  // 32 samples and 4 surfaces of 8 words
+const uint SURFACE_WORDS = STREAM_SURFACE_WORDS(SAMPLES, FEATURES);
+const uint STATE_QUADS = STREAM_STATE_QUADS(SAMPLES, FEATURES, SURFACES);
+const uint LIST_QUADS = STATE_QUADS - DEPTH_QUADS;
 
-#define MAX_LIST_WORDS 36
+#define MAX_LIST_WORDS 36  // 4 surfaces of 8 words
 struct StreamList {
   uint word[MAX_LIST_WORDS];  // the count word, then the surfaces
 };

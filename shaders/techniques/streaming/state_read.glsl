@@ -1,27 +1,15 @@
 // The list part of a pixel's state, read back after the compression pass.
-// Reads: with IMAGE the array of attachments (sampled slot 0), else the buffer whose address storage slot 0 holds.
+// Reads: as ordered_state_read.glsl. Needs compress.glsl and state.glsl before it.
 #ifndef SUBPIXEL_STREAMING_STATE_READ_GLSL
 #define SUBPIXEL_STREAMING_STATE_READ_GLSL
 
-#ifdef IMAGE
-layout(set = 0, binding = 12) uniform usampler2DArray state_image;
-uvec4 state_quad(ivec2 pixel, uint i) { return texelFetch(state_image, ivec3(pixel, i), 0); }
-#else
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer StateQuads { uvec4 quads[]; };
-layout(set = 0, binding = 1, scalar) readonly buffer StateAddress { StateQuads state; };
-uvec4 state_quad(ivec2 pixel, uint i) {
-  return state.quads[(uint(pixel.y) * uint(frame.viewport.x) + uint(pixel.x)) * STATE_QUADS + i];
-}
-#endif
+#include "include/ordered_state_read.glsl"
 
 uint read_count_word(ivec2 pixel) { return state_quad(pixel, DEPTH_QUADS).x; }
 
 void read_surfaces(ivec2 pixel, out StreamSurface surface[STREAM_MAX_SURFACES]) {
   StreamList list;
-  for (uint i = 0u; i < STATE_QUADS - DEPTH_QUADS; ++i) {
-    uvec4 words = state_quad(pixel, DEPTH_QUADS + i);
-    for (uint c = 0u; c < 4u; ++c) list.word[4u * i + c] = words[c];
-  }
+  for (uint i = 0u; i < LIST_QUADS; ++i) SET_QUAD_OF(list.word, i, state_quad(pixel, DEPTH_QUADS + i))
   uint word;
   stream_unpack(list, word, surface);
 }

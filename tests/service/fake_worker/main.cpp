@@ -248,7 +248,7 @@ int work(const std::string& job_path) {
       if (fake.contains("log") && !thumbnail) {
         std::ofstream(fake["log"].get<std::string>(), std::ios::app) << frame << "/" << index << "\n";
       }
-      say({{"type", "result"}, {"result", result}});
+      say({{"type", "result"}, {"ordinal", index}, {"result", result}});
     }
   }
   if (how == "no_done") return 0;

@@ -1,13 +1,18 @@
-// One fragment of a stream that a test feeds to the streaming compression. Included by host and shader.
-#ifndef SUBPIXEL_STREAMING_TEST_TYPES_H
-#define SUBPIXEL_STREAMING_TEST_TYPES_H
+// Streams that a test feeds to the streaming compression. Included by host and shaders.
+#ifndef SUBPIXEL_STREAMING_TEST_INTERFACE_H
+#define SUBPIXEL_STREAMING_TEST_INTERFACE_H
+
+#include "../techniques/streaming/streaming_interface.h"
 
 #ifdef __cplusplus
-#include <glm/glm.hpp>
 namespace subpixel::gpu_types {
-using glm::uvec4;
-using glm::vec4;
 #endif
+
+// Storage.
+#define STREAM_TEST_SLOT_RANGES 0
+#define STREAM_TEST_SLOT_FRAGMENTS 1
+#define STREAM_TEST_SLOT_QUADS 2     // the pixels' states
+#define STREAM_TEST_SLOT_OF_FRAME 1  // the fragments of a frame, of a pass over lists
 
 struct StreamTestFragment {
   vec4 plane;   // reversed depth: at the pixel's centre, dz/dx, dz/dy, smallest of the triangle

@@ -1,13 +1,20 @@
 // What the reference's passes share with the host.
-#ifndef SUBPIXEL_REFERENCE_TYPES_H
-#define SUBPIXEL_REFERENCE_TYPES_H
+#ifndef SUBPIXEL_REFERENCE_INTERFACE_H
+#define SUBPIXEL_REFERENCE_INTERFACE_H
+
+#include "../include/interface.h"
+
+#define REFERENCE_CONSTANT_TONE_MAP_SAMPLES 7  // 1: also sum the display values of shading samples
+
+// Storage; materials, mappings and cones are where the frame has them.
+#define REFERENCE_SLOT_TURN 0
+#define REFERENCE_SLOT_LEVELS 1
+#define REFERENCE_SLOT_MATERIAL_TEXTURES 2
+// Sampled.
+#define REFERENCE_SLOT_SEEN 0
 
 #ifdef __cplusplus
-#include <cstdint>
-#include <glm/glm.hpp>
 namespace subpixel::gpu_types {
-using glm::uvec4;
-using glm::vec4;
 #endif
 
 // One triangle that may be seen. Its homogeneous corners are in a buffer of their own, for the vertex shader.
@@ -37,7 +44,35 @@ struct TurnConstants {
   uvec4 number;  // x: number of the turn, y: turns in all
 };
 
+// Members are in triangles.glsl.
+BUFFER_REFERENCE(Corners)
+BUFFER_REFERENCE(Triangles)
+BUFFER_REFERENCE(Words)
+BUFFER_REFERENCE(Vectors2)
+BUFFER_REFERENCE(Vectors3)
+BUFFER_REFERENCE(Vectors4)
+BUFFER_REFERENCE(Instances)
+BUFFER_REFERENCE(Pixels)
+
+// Of all the reference's passes.
+struct ReferencePush {
+  ADDRESS(Corners) corners;
+  ADDRESS(Triangles) triangles;
+  ADDRESS(Words) indices;
+  ADDRESS(Vectors3) normals;
+  ADDRESS(Vectors2) uvs;
+  ADDRESS(Vectors4) tangents;
+  ADDRESS(Instances) instances;
+  ADDRESS(Words) texels;
+  ADDRESS(Pixels) sums;          // of linear radiance over the turns
+  ADDRESS(Pixels) compensation;  // what the sums lost to rounding
+  ADDRESS(Pixels) display_sums;  // of tone-mapped shading samples
+  ADDRESS(Vectors2) second_uvs;
+  ADDRESS(Vectors4) colours;
+};
+
 #ifdef __cplusplus
+static_assert(sizeof(ReferencePush) == 104);
 static_assert(sizeof(ReferenceTriangle) == 16);
 static_assert(sizeof(TurnConstants) == 32);
 }  // namespace subpixel::gpu_types

@@ -1,14 +1,18 @@
-// One fragment of a stream that a test feeds to decoupled coverage anti-aliasing. Included by host and shader.
-#ifndef SUBPIXEL_DCAA_TEST_TYPES_H
-#define SUBPIXEL_DCAA_TEST_TYPES_H
+// A stream that a test feeds to decoupled coverage anti-aliasing. Included by host and shader.
+#ifndef SUBPIXEL_DCAA_TEST_INTERFACE_H
+#define SUBPIXEL_DCAA_TEST_INTERFACE_H
+
+#include "../techniques/dcaa/dcaa_interface.h"
 
 #ifdef __cplusplus
-#include <glm/glm.hpp>
 namespace subpixel::gpu_types {
-using glm::uvec2;
-using glm::uvec4;
-using glm::vec4;
 #endif
+
+// Storage.
+#define DCAA_TEST_SLOT_RANGES 0
+#define DCAA_TEST_SLOT_FRAGMENTS 1
+#define DCAA_TEST_SLOT_VIEW 2
+#define DCAA_TEST_SLOT_WORDS 3  // the pixels' states
 
 struct DcaaTestFragment {
   vec4 facet_depth;  // xyz facet normal, not packed; w reversed depth at the pixel's centre

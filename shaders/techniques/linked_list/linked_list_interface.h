@@ -1,10 +1,22 @@
 // The G-buffer of per-pixel lists. Included by host and shaders.
 // Fridvalszky and Toth 2020, "Multisample anti-aliasing in deferred rendering", figures 3 and 4.
-#ifndef SUBPIXEL_LINKED_LIST_TYPES_H
-#define SUBPIXEL_LINKED_LIST_TYPES_H
+#ifndef SUBPIXEL_LINKED_LIST_INTERFACE_H
+#define SUBPIXEL_LINKED_LIST_INTERFACE_H
+
+#include "../../frontend/frontend_interface.h"
+
+#define LINK_CONSTANT_ALLOCATION 7   // LINK_ALLOCATE_
+#define LINK_CONSTANT_FIRST_BLOCK 8  // LINK_FIRST_
+#define LINK_CONSTANT_LIGHTING 9     // LINK_LIGHT_
+
+// Storage.
+#define LINK_SLOT_POOL 0
+#define LINK_SLOT_TILE_SUMS 1  // blocks that tiles need, level by level
+#define LINK_SLOT_GROUPS 2     // of the indirect dispatch that lights the dynamic blocks
+// Sampled.
+#define LINK_SLOT_LEADERS 1
 
 #ifdef __cplusplus
-#include <cstdint>
 namespace subpixel::gpu_types {
 #endif
 
@@ -22,15 +34,12 @@ namespace subpixel::gpu_types {
 #define LINK_BLOCK_BITS 112
 #define LINK_POINTER_BITS 32
 
-// Specialization constant 10.
 #define LINK_ALLOCATE_LARGEST 0u  // fragments with most samples first, of equal ones tile by tile
 #define LINK_ALLOCATE_TILES 1u    // tile by tile
 #define LINK_ALLOCATE_ATOMIC 2u   // as fragments come: the publication's counter
-// Specialization constant 11.
 #define LINK_FIRST_SAMPLE 0u   // the pre-allocated block is that of sample 0, empty when sample 0 shows the sky
 #define LINK_FIRST_COVERED 1u  // ... of the first covered sample
 
-// Specialization constant 12.
 #define LINK_LIGHT_BLOCKS 0u  // dynamic blocks one by one, then pixels
 #define LINK_LIGHT_LISTS 1u   // pixels, each its list
 #define LINK_OWNER_BITS 32
@@ -39,19 +48,16 @@ namespace subpixel::gpu_types {
 // Pixels along the side of the tiles that allocation counts by.
 #define LINK_TILE 8u
 
+BUFFER_REFERENCE(LinkWords)
+
 // Storage buffer: where the blocks are.
 struct LinkPool {
-#ifdef __cplusplus
-  std::uint64_t words, owners;
-  std::uint32_t
-#else
-  LinkWords words;   // of the blocks
-  LinkWords owners;  // of each dynamic block: pixel x, y in 13 bits, samples less one, sample; with lighting by blocks
-  uint
-#endif
-      capacity,   // dynamic blocks
-      allocated,  // dynamic blocks that were asked for; may be more
-      width, height;  // pixels
+  ADDRESS(LinkWords) words;   // of the blocks
+  ADDRESS(LinkWords) owners;  // of each dynamic block: pixel x, y in 13 bits, samples less one, sample; with lighting by blocks
+  uint capacity;              // dynamic blocks
+  uint allocated;             // dynamic blocks that were asked for; may be more
+  uint width;                 // pixels
+  uint height;
 };
 
 #ifdef __cplusplus

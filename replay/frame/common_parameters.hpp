@@ -1,0 +1,48 @@
+// The parameters that techniques share, declared once.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "replay/frame/parameter_fields.hpp"
+#include "replay/frontend/frontend.hpp"
+
+namespace subpixel::replay {
+
+// Values are those of the specialization constants.
+enum class AlphaDecision : std::uint32_t { to_coverage = 0, test = 1, per_sample = 2 };
+enum class ShadingModel : std::uint32_t { ggx = 0, blinn_phong = 1 };
+// Samples are averaged as linear radiance, or after the tone curve.
+enum class Resolve : std::uint32_t { linear = 0, tone_mapped = 1 };
+
+// Of every technique.
+struct CommonParameters {
+  std::uint32_t samples = 8;  // visibility samples per pixel
+  AlphaDecision alpha = AlphaDecision::to_coverage;
+  Resolve resolve = Resolve::linear;
+  ShadingModel shading = ShadingModel::ggx;
+
+  virtual ~CommonParameters() = default;
+};
+
+// What brings fragments in submission order: lists by pixel where frames are not too deep, or one ordered pass. Both
+// leave the same bits.
+enum class FragmentOrder { lists, one_pass };
+
+// Of techniques that go through fragments in that order.
+struct OrderedParameters : CommonParameters {
+  FragmentOrder order = FragmentOrder::lists;
+};
+
+namespace field {
+Field<CommonParameters> samples(const std::vector<double>& allowed);
+Field<CommonParameters> alpha();
+Field<CommonParameters> resolve();
+Field<CommonParameters> shading();
+Field<OrderedParameters> order();
+}  // namespace field
+
+// Specialization constants of shading model, alpha decision and resolve.
+gpu::Constants common_constants(const CommonParameters& parameters);
+
+}  // namespace subpixel::replay

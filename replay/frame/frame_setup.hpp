@@ -1,0 +1,47 @@
+// What a technique gets for one frame, and what it leaves.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "replay/frame/common_parameters.hpp"
+#include "replay/frontend/frontend.hpp"
+
+namespace subpixel::replay {
+
+// Images the technique allocated from its recorder and filled.
+struct FrameOutputs {
+  gpu::Image* radiance = nullptr;  // RGBA32F: rgb linear radiance, a lighting executions of the pixel
+  gpu::Image* display = nullptr;   // RGBA32F: rgb display values in [0, 1]
+  // Further maps by the name of their MapDescription: R32_UINT, one value a pixel.
+  std::vector<std::pair<std::string, gpu::Image*>> maps;
+  // Counters filled by the technique's host steps while the passes run.
+  std::map<std::string, std::uint64_t> counters;
+};
+
+struct FrameSetup {
+  GpuScene& scene;
+  Frontend& frontend;
+  std::uint32_t width = 0, height = 0;
+  const CommonParameters& common;  // of the technique's own type
+  FrameOutputs& outputs;
+  const std::uint32_t samples = common.samples;
+};
+
+// The same for a technique whose parameters are `P`. Throws std::bad_cast when they are another's.
+template <typename P>
+struct SetupFor : FrameSetup {
+  explicit SetupFor(const FrameSetup& setup) : FrameSetup(setup), parameters(dynamic_cast<const P&>(setup.common)) {}
+
+  const P& parameters;
+};
+
+// Specialization constants of what all techniques let one choose.
+gpu::Constants common_constants(const FrameSetup& setup);
+
+// Bits a surface of this scene takes in a G-buffer that holds only what the scene needs, without depth.
+double fitted_surface_bits(SceneFeatures features);
+
+}  // namespace subpixel::replay

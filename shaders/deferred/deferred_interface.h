@@ -1,0 +1,15 @@
+// Slots of the passes that gather flagged pixels in a list.
+#ifndef SUBPIXEL_DEFERRED_INTERFACE_H
+#define SUBPIXEL_DEFERRED_INTERFACE_H
+
+#include "../include/interface.h"
+
+// Storage.
+#define DEFERRED_SLOT_TILE_SUMS 0
+#define DEFERRED_SLOT_TILE_COUNTS 1
+#define DEFERRED_SLOT_PIXEL_LIST 2  // pixel_list.glsl
+#define DEFERRED_SLOT_GROUPS 3      // of an indirect dispatch
+// Sampled.
+#define DEFERRED_SLOT_FLAGS 1
+
+#endif

@@ -1,0 +1,82 @@
+// What host and shaders of the streaming compression share.
+#ifndef SUBPIXEL_STREAMING_INTERFACE_H
+#define SUBPIXEL_STREAMING_INTERFACE_H
+
+#include "../../frontend/frontend_interface.h"
+#include "../../include/ordered_state.h"
+#include "../../include/shared_types.h"
+
+#ifdef __cplusplus
+namespace subpixel::gpu_types {
+#endif
+
+#define STREAM_MAX_SURFACES 4
+
+#define STREAM_CONSTANT_SURFACES (PASS_CONSTANTS + 0)
+#define STREAM_CONSTANT_COS_NORMAL_ANGLE (PASS_CONSTANTS + 1)
+#define STREAM_CONSTANT_OPTIONS (PASS_CONSTANTS + 2)  // STREAM_ bits
+
+#define STREAM_MERGE_NORMALS 1u  // the three conditions of section 3.1
+#define STREAM_MERGE_DEPTH 2u
+#define STREAM_MERGE_COVERAGE 4u
+#define STREAM_WEIGHT_COVERAGE 8u  // a merge weights both sides by their samples, not equally
+#define STREAM_CLIP_SPACE 16u      // depths and slopes of reversed depth, not of the distance along the view
+#define STREAM_DEPTH_TESTED 32u    // beyond the paper: the depth test of each sample decides what hides it
+
+#define STREAM_SLOT_SURFACES 1  // storage: the address of the listed fragments' surfaces
+
+// The count word (Kerzner and Salvi 2014, section 4): how many surfaces, their slots from front to back with two bits
+// each, and whether one that was still visible has been discarded. The paper uses 9 of its 32 bits for three surfaces;
+// the others count what happened to the pixel. Both counts stop at their largest value.
+#define STREAM_COUNT_BITS 3
+#define STREAM_ORDER_SHIFT 3
+#define STREAM_ORDER_BITS 8
+#define STREAM_DISCARD_SHIFT 11
+#define STREAM_MERGES_SHIFT 12
+#define STREAM_MERGES_BITS 10
+#define STREAM_DROPPED_SHIFT 22  // samples
+#define STREAM_DROPPED_BITS 10
+
+// A pixel's state: a depth for each sample, the count word, the surfaces (state.glsl). Up to 8 samples a surface's two
+// masks and its roughness share a word; at 32 each mask has its own.
+#define STREAM_ROUGHNESS_WORDS(samples, features) \
+  (BIT_OF(features, FEATURE_VARYING_ROUGHNESS) * ((samples) / 16u - (samples) / 32u))
+#define STREAM_SURFACE_WORDS(samples, features) \
+  (5u + (samples) / 32u + STREAM_ROUGHNESS_WORDS(samples, features) + BIT_OF(features, FEATURE_EMISSIVE))
+#define STREAM_STATE_QUADS(samples, features, surfaces) \
+  ORDERED_QUADS_OF((samples) + 1u + (surfaces) * STREAM_SURFACE_WORDS(samples, features))
+
+BUFFER_REFERENCE(ListedSurfaces)
+BUFFER_REFERENCE(PassedCounts)
+
+// Of each listed fragment that passed the depth test.
+struct StreamListedSurface {
+  uvec4 words;  // depth bits, slopes, albedo, normal
+  uvec2 more;   // roughness, emission
+};
+
+// Of depth_test.comp.
+struct StreamDepthTestPush {
+  ListAddresses lists;
+  ADDRESS(Records) records;
+  ADDRESS(StateQuads) state;
+  ADDRESS(PassedCounts) passed;
+  uint width, height;
+};
+
+// Of merge.comp.
+struct StreamMergePush {
+  ListAddresses lists;
+  ADDRESS(ListedSurfaces) surfaces;
+  ADDRESS(StateQuads) state;
+  ADDRESS(PassedCounts) passed;
+  uint width, height;
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(StreamListedSurface) == 24);
+static_assert(sizeof(StreamDepthTestPush) == 64);
+static_assert(sizeof(StreamMergePush) == 64);
+}  // namespace subpixel::gpu_types
+#endif
+#endif
