@@ -186,13 +186,10 @@ capture::Capture import_renderdoc(const std::string& in, const RenderDocOptions&
 
   const Ended ended = run(arguments, environment_with(package));
   if (ended.error) throw InputError(kFailed, *ended.error, "");
-  if (WIFSIGNALED(ended.status)) {
-    throw InputError(kFailed, fmt::format("RenderDoc crashed (signal {})", WTERMSIG(ended.status)), in);
-  }
-  if (WEXITSTATUS(ended.status) != 0) {
-    throw InputError(kFailed,
-                     fmt::format("its exporter ended with exit code {} and no reason", WEXITSTATUS(ended.status)), in);
-  }
+  // A shell between (xvfb-run) says 128 and the signal.
+  const int code = WIFSIGNALED(ended.status) ? 128 + WTERMSIG(ended.status) : WEXITSTATUS(ended.status);
+  if (code > 128) throw InputError(kFailed, fmt::format("RenderDoc crashed (signal {})", code - 128), in);
+  if (code != 0) throw InputError(kFailed, fmt::format("its exporter ended with exit code {} and no reason", code), in);
   return capture::read_capture(exported);
 }
 
