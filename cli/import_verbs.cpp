@@ -18,6 +18,7 @@ namespace subpixel::cli {
 namespace {
 
 constexpr std::uint64_t kMebibyte = 1u << 20;
+constexpr std::uint32_t kModelSeconds = 300, kFrameSeconds = 3600;
 
 struct ImportArguments {
   std::string in, out, camera, size;
@@ -26,7 +27,7 @@ struct ImportArguments {
   std::string events, target, textures, sun;
   std::optional<std::uint32_t> frames;
   std::optional<std::uint64_t> limit_memory;  // MiB
-  std::uint32_t limit_seconds = 300;
+  std::optional<std::uint32_t> limit_seconds;
 };
 
 // Of the exporter of RenderDoc captures, those that are given.
@@ -54,7 +55,9 @@ int import(const ImportArguments& arguments) {
   for (const std::string& next : arguments.renderdoc.more) add("--next", next);
   for (const auto& [name, value] : renderdoc_values(arguments)) add(name, *value);
   ImportLimits limits;
-  limits.duration = std::chrono::seconds(arguments.limit_seconds);
+  // RenderDoc replays the frame up to each draw that is asked about.
+  const bool is_frame = is_renderdoc(arguments.in);
+  limits.duration = std::chrono::seconds(arguments.limit_seconds.value_or(is_frame ? kFrameSeconds : kModelSeconds));
   limits.address_space_bytes =
       arguments.limit_memory ? *arguments.limit_memory * kMebibyte : default_import_address_space();
   import_in_child(arguments.in, arguments.out, options, limits);
@@ -112,8 +115,10 @@ void add_import_verbs(CLI::App& app, std::function<int()>& action) {
                    "MiB of address space for reading; 0: no limit; default: three quarters of the machine's memory, at "
                    "most 8192")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 40));
-  verb->add_option("--limit-seconds", arguments->limit_seconds, "Longest time for reading; 0: no limit")
-      ->capture_default_str();
+  verb->add_option("--limit-seconds", arguments->limit_seconds,
+                   "Longest time for reading; 0: no limit; default: 300, of RenderDoc captures 3600");
+  0 : no limit ")
+          ->capture_default_str();
   verb->callback([arguments, &action] { action = [arguments] { return import(*arguments); }; });
 
   const auto worker_arguments = std::make_shared<ImportArguments>();
