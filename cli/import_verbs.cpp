@@ -117,8 +117,6 @@ void add_import_verbs(CLI::App& app, std::function<int()>& action) {
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 40));
   verb->add_option("--limit-seconds", arguments->limit_seconds,
                    "Longest time for reading; 0: no limit; default: 300, of RenderDoc captures 3600");
-  0 : no limit ")
-          ->capture_default_str();
   verb->callback([arguments, &action] { action = [arguments] { return import(*arguments); }; });
 
   const auto worker_arguments = std::make_shared<ImportArguments>();

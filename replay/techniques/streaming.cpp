@@ -95,7 +95,7 @@ void record_maps(gpu::PassRecorder& recorder, const StreamingSetup& setup, const
 
 OrderedState record_streaming(gpu::PassRecorder& recorder, const StreamingSetup& setup) {
   setup.frontend.record_setup(recorder);
-  const auto lists = record_fragment_lists(recorder, setup, "collect", ListedMasks::collected);
+  const auto lists = record_measured_lists(recorder, setup, "collect");
   const std::uint32_t quads = STREAM_STATE_QUADS(setup.samples, setup.scene.features().bits, setup.parameters.surfaces);
   const OrderedState state = make_ordered_state(recorder, setup, "streaming state", quads, lists.has_value());
   if (lists)
@@ -144,6 +144,7 @@ const Technique kStreaming = TechniqueOf<StreamingParameters>{
              {"order_errors", "Surfaces out of order", "surfaces", 4}},
     .layout = layout,
     .record = [](gpu::PassRecorder& recorder, const StreamingSetup& setup) { record_streaming(recorder, setup); },
+    .lists = ListedMasks::collected,
 };
 
 }  // namespace subpixel::replay
