@@ -83,12 +83,11 @@ int run(int argc, char** argv) {
   frontend.prepare(8);
   fmt::print("{}; {}\n{} triangles, {} hulls, {} clipped\n", device.info().driver_version, device.info().cpu_model,
              scene.triangle_count(), frontend.hull_count(), frontend.clipped_count());
-  const CommonParameters parameters;
-  FrameOutputs outputs;
-  const FrameSetup setup{scene, frontend, 1280, 720, parameters, outputs};
+  FrontendFrame frame{frontend, 1280, 720};
+  frame.small = choose_small_triangles(frame);
   gpu::PassRecorder ours(device), driver(device), driver1(device);
   frontend.record_setup(ours);
-  record_visibility(ours, setup);
+  record_visibility(ours, frame);
   record_driver_depth(driver, scene, frontend, 1280, 720, VK_SAMPLE_COUNT_4_BIT);
   record_driver_depth(driver1, scene, frontend, 1280, 720, VK_SAMPLE_COUNT_1_BIT);
   const int repeats = argc > 2 ? std::atoi(argv[2]) : 9;

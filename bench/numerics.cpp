@@ -10,10 +10,14 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "replay/frame/run_frame.hpp"
+#include "replay/measure/error_bounds.hpp"
+#include "replay/measure/metrics.hpp"
+#include "replay/reference/reference_cache.hpp"
+#include "replay/techniques/registry.hpp"
 #include "scenes/generate/generate.hpp"
+#include "scenes/generate/hard_cases/hard_cases.hpp"
 #include "scenes/import/import.hpp"
-#include "tests/hard_cases/bounds.hpp"
-#include "tests/hard_cases/case_run.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -23,7 +27,7 @@ constexpr std::uint32_t kReferenceSamples = 256;
 void print_cases() {
   gpu::Device device;
   const auto folder = std::filesystem::temp_directory_path() / "subpixel_numerics_references";
-  const ErrorBounds bounds;
+  const ErrorBounds bounds(SUBPIXEL_SOURCE_DIR "/tests/hard_cases/bounds.json");
   fmt::print("| case |");
   for (const Technique* technique : techniques()) fmt::print(" {} |", technique->name);
   fmt::print("\n| --- |");
@@ -31,12 +35,13 @@ void print_cases() {
   fmt::print("\n");
   std::string breaks;
   for (const capture::HardCase& hard : capture::hard_cases()) {
-    CaseScene scene(device, make_case(hard));
-    const Image reference = scene.reference(kReferenceSamples, folder).display;
-    const double brute = mse(reference, scene.run(find_technique("msaa")).display);
+    FrameScene scene(device, capture::make_case(hard));
+    const Image reference =
+        cached_reference(device, scene.scene, 0, {.samples = kReferenceSamples}, ReferenceCache(folder)).image.display;
+    const double brute = mse(reference, run_frame(scene, find_technique("msaa").with()).display);
     fmt::print("| `{}` |", hard.name);
     for (const Technique* technique : techniques()) {
-      const double error = mse(reference, scene.run(*technique).display);
+      const double error = mse(reference, run_frame(scene, technique->with()).display);
       // In 1e-4, as the papers have it; bold: more than twice what 8 shaded samples leave.
       const std::string text = fmt::format("{:.{}f}", error * 1e4, error < 1e-3 ? 2 : 0);
       fmt::print(" {} |", error > 2 * brute + 1e-6 ? "**" + text + "**" : text);
@@ -51,33 +56,6 @@ void print_cases() {
   fmt::print("\n| case | technique | MSE over msaa's | why |\n| --- | --- | --- | --- |\n{}", breaks);
 }
 
-// One technique on one scene, ready to run again and again.
-class Recorded {
- public:
-  Recorded(gpu::Device& device, CaseScene& scene, Frontend& frontend, const Technique& technique)
-      : setting_(technique.with()), recorder_(device) {
-    frontend.prepare(setting_.parameters->samples);
-    const FrameSetup setup{scene.scene, frontend, scene.width, scene.height, *setting_.parameters, outputs_};
-    technique.record(recorder_, setup);
-    for (const auto& entry : technique.layout(setup).fitted) fitted_bytes_per_pixel += entry.bits_per_pixel / 8;
-  }
-  // ms of all passes of this run.
-  double run() {
-    recorder_.run();
-    double ms = 0;
-    for (const auto& timing : recorder_.timings()) ms += timing.ms.back();
-    return ms;
-  }
-  double allocated_mb() const { return static_cast<double>(recorder_.allocated_bytes()) * 1e-6; }
-
-  double fitted_bytes_per_pixel = 0;
-
- private:
-  const TechniqueSetting setting_;
-  FrameOutputs outputs_;
-  gpu::PassRecorder recorder_;
-};
-
 double median(std::vector<double> values) {
   std::ranges::nth_element(values, values.begin() + values.size() / 2);
   return values[values.size() / 2];
@@ -90,7 +68,7 @@ std::string saving(double general, double fitted) {
 
 // General and fitted run in turns, so that what else the machine does falls on both; the brackets have the savings of
 // pairs of runs, without the smallest and the largest.
-std::string time_saving(Recorded& general, Recorded& fitted) {
+std::string time_saving(RecordedFrame& general, RecordedFrame& fitted) {
   constexpr int kRepeats = 7;
   general.run();
   fitted.run();
@@ -106,8 +84,7 @@ std::string time_saving(Recorded& general, Recorded& fitted) {
 }
 
 void print_features_of(gpu::Device& device, const std::string& name, const capture::Capture& capture) {
-  CaseScene fitted(device, capture), general(device, capture, {.forced_features = kAllFeatures});
-  Frontend fitted_frontend(device, fitted.scene), general_frontend(device, general.scene);
+  FrameScene fitted(device, capture), general(device, capture, {.forced_features = kAllFeatures});
   std::string features;
   for (const std::string& feature : fitted.scene.features().names())
     features += (features.empty() ? "" : ", ") + feature;
@@ -115,11 +92,13 @@ void print_features_of(gpu::Device& device, const std::string& name, const captu
       "{} | {} | {}", name, features,
       saving(static_cast<double>(general.scene.bytes()) * 1e-6, static_cast<double>(fitted.scene.bytes()) * 1e-6));
   for (const char* technique : {"msaa", "streaming"}) {
-    Recorded with(device, general, general_frontend, find_technique(technique));
-    Recorded without(device, fitted, fitted_frontend, find_technique(technique));
+    const TechniqueSetting setting = find_technique(technique).with();
+    RecordedFrame with(general, setting), without(fitted, setting);
+    const Memory general_memory = with.memory(), fitted_memory = without.memory();
+    const auto megabytes = [](const Memory& memory) { return static_cast<double>(memory.allocated_bytes) * 1e-6; };
     fmt::print("| {} | `{}` | {} | {} | {} |\n", scene_cells, technique,
-               saving(with.fitted_bytes_per_pixel, without.fitted_bytes_per_pixel),
-               saving(with.allocated_mb(), without.allocated_mb()), time_saving(with, without));
+               saving(general_memory.fitted_bytes_per_pixel, fitted_memory.fitted_bytes_per_pixel),
+               saving(megabytes(general_memory), megabytes(fitted_memory)), time_saving(with, without));
     std::fflush(stdout);
     scene_cells = " | | | ";
   }

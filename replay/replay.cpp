@@ -4,15 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <map>
-#include <tuple>
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "capture_format/reader.hpp"
+#include "replay/frame/run_frame.hpp"
 #include "replay/gpu/litmus.hpp"
 #include "replay/host_clock.hpp"
 #include "replay/inspection.hpp"
@@ -27,12 +25,6 @@
 
 namespace subpixel::replay {
 namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
 
 // Every door checks before it gets here; this one is for callers of the library.
 void check_limits(const ReplayOptions& options) {
@@ -63,27 +55,6 @@ std::pair<std::uint32_t, std::uint32_t> frame_range(const ReplayOptions& options
   return *options.frames;
 }
 
-// rgb of an RGBA32F device image, and its alpha.
-struct Downloaded {
-  Image colour;
-  std::vector<float> alpha;
-};
-
-Downloaded download_colour(gpu::Device& device, gpu::Image& image, Encoding encoding) {
-  const auto bytes = gpu::download(device, image);
-  const auto& size = image.description();
-  Downloaded result{Image(size.width, size.height, 3, encoding), {}};
-  const std::size_t pixels = std::size_t{size.width} * size.height;
-  result.alpha.resize(pixels);
-  std::vector<float> texels(4 * pixels);
-  std::memcpy(texels.data(), bytes.data(), bytes.size());
-  for (std::size_t i = 0; i < pixels; ++i) {
-    std::copy_n(&texels[4 * i], 3, &result.colour.pixels[3 * i]);
-    result.alpha[i] = texels[4 * i + 3];
-  }
-  return result;
-}
-
 // Shading model and whether samples are tone-mapped: techniques that differ in them have different references.
 using ReferenceKind = std::pair<ShadingModel, Resolve>;
 struct Reference {
@@ -111,14 +82,12 @@ class Replay {
 
  private:
   void make_head();
-  void run_frame(std::uint32_t frame, std::uint32_t index, std::uint32_t count);
   // The current frame's reference for a technique's shading model and resolve; null without references.
   const Reference* reference_for(std::uint32_t frame, const TechniqueSetting& planned);
   FrameResult run_technique(std::uint32_t frame, std::size_t which);
-  void inspect(gpu::PassRecorder& recorder, const FrameResult& result, const std::string& stem);
-  void count_fragments(FrameResult& result, const gpu::PassRecorder& recorder, AlphaDecision alpha);
   // `stem` is what the names of the result's files begin with.
-  void measure(FrameResult& result, FrameSetup& setup, std::size_t which, const std::string& stem);
+  void inspect(RecordedFrame& recorded, const FrameResult& result, const std::string& stem);
+  void measure(FrameResult& result, FrameImages images, std::size_t which, const std::string& stem);
   bool skipped(std::uint32_t frame, std::size_t which) const;
   void progress(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) const {
     if (events_.progress) events_.progress(stage, done, total, detail);
@@ -141,17 +110,12 @@ class Replay {
   capture::Capture capture_;
   gpu::Device device_;
   std::optional<gpu::RenderDoc> render_doc_;
-  std::unique_ptr<GpuScene> scene_;
-  std::unique_ptr<Frontend> frontend_;
+  std::unique_ptr<FrameScene> scene_;
   std::uint32_t width_ = 0, height_ = 0;
   ResultsHead head_;
-  // Fragments of this frame's geometry, by samples, whether of visible triangles alone, and then the alpha decision.
-  using FragmentKind = std::tuple<std::uint32_t, bool, AlphaDecision>;
-  std::map<FragmentKind, std::uint64_t> fragments_;
   std::map<ReferenceKind, Reference> references_, references_before_;  // of this frame and the one before
   std::vector<Image> before_;                                          // each technique's image of the frame before
   std::optional<std::uint32_t> frame_before_;
-  std::optional<std::pair<std::uint32_t, std::uint32_t>> prepared_;  // frame and samples the front-end is sized for
 };
 
 void Replay::make_head() {
@@ -198,12 +162,11 @@ Results Replay::run() {
   if (error) throw InputError("output folder", "can't be made: " + error.message(), job_.out_dir.string());
   progress("load", 0, 1, capture_.metadata.title);
   gpu::require_ordered_access(device_);
-  scene_ = std::make_unique<GpuScene>(device_, capture_, SceneOptions{options_.point_lights, 2048});
-  frontend_ = std::make_unique<Frontend>(device_, *scene_);
-  head_.features = scene_->features().names();
-  scene_->set_frame(first, width_, height_);
-  head_.triangles_first_frame = scene_->triangle_count();
-  head_.point_lights = scene_->constants().counts.x;
+  scene_ = std::make_unique<FrameScene>(device_, std::move(capture_), SceneOptions{options_.point_lights, 2048},
+                                        FrameChoice{first, width_, height_});
+  head_.features = scene_->scene.features().names();
+  head_.triangles_first_frame = scene_->scene.triangle_count();
+  head_.point_lights = scene_->scene.constants().counts.x;
   if (events_.head) events_.head(head_);
   before_.resize(planned_.size());
 
@@ -214,9 +177,8 @@ Results Replay::run() {
       if (!skipped(frame, which)) wanted.push_back(which);
     if (wanted.empty()) continue;
     now("scene");
-    scene_->set_frame(frame, width_, height_);
+    scene_->set_frame({frame, width_, height_});
     references_.clear();
-    fragments_.clear();
     for (const std::size_t which : wanted) {
       const auto total = static_cast<std::uint32_t>((last - first + 1) * planned_.size());
       const auto done = static_cast<std::uint32_t>((frame - first) * planned_.size() + which);
@@ -251,8 +213,8 @@ const Reference* Replay::reference_for(std::uint32_t frame, const TechniqueSetti
     progress("reference", done, total, fmt::format("frame {}", frame));
   };
   const std::string before = now("reference");
-  CachedReference cached =
-      cached_reference(device_, *scene_, head_.capture_hash, frame, wanted, ReferenceCache(job_.cache_dir), report);
+  CachedReference cached = cached_reference(device_, scene_->scene, head_.capture_hash, frame, wanted,
+                                            ReferenceCache(job_.cache_dir), report);
   now(before);
   if (!cached.store_error.empty()) progress("reference", 1, 1, "not cached: " + cached.store_error);
   Reference reference{std::move(cached.image), fmt::format("frame{:04}_reference{}.png", frame, references_.size())};
@@ -264,90 +226,39 @@ const Reference* Replay::reference_for(std::uint32_t frame, const TechniqueSetti
 
 FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   const TechniqueSetting& planned = planned_[which];
-  const std::uint32_t samples = planned.parameters->samples;
   now("prepare");
-  // Buffers and counts stay as they are between techniques of one frame and sample count.
-  if (prepared_ != std::pair{frame, samples}) frontend_->prepare(samples);
-  prepared_ = {frame, samples};
-  FrameOutputs outputs;
-  FrameSetup setup{*scene_, *frontend_, width_, height_, *planned.parameters, outputs};
-  gpu::PassRecorder recorder(device_);
-  planned.technique->record(recorder, setup);
-
+  RecordedFrame recorded(*scene_, planned);
   FrameResult result;
   result.frame = frame;
   result.technique = planned.technique->name;
   result.parameters = planned.values;
-  result.samples = samples;
+  result.samples = planned.parameters->samples;
   result.width = width_;
   result.height = height_;
-
   now("submit");
-  recorder.run();
-  for (const auto& timing : recorder.timings()) result.ms.cold_ms += timing.ms.back();
-  recorder.clear_timings();
-  for (std::uint32_t i = 0; i < options_.repeat; ++i) recorder.run();
-  std::vector<double> totals(options_.repeat, 0.0);
-  for (const auto& timing : recorder.timings()) {
-    result.ms.passes.push_back({timing.name, median(timing.ms)});
-    result.ms.total_ms += result.ms.passes.back().median_ms;
-    for (std::size_t i = 0; i < totals.size(); ++i) totals[i] += timing.ms[i];
-  }
-  const auto [least, most] = std::minmax_element(totals.begin(), totals.end());
-  result.ms.spread_ms = *most - *least;
-
-  const MemoryLayout layout = planned.technique->layout(setup);
-  const double pixels = static_cast<double>(width_) * height_;
-  for (const auto& entry : layout.paper) result.memory.paper_bytes_per_pixel += entry.bits_per_pixel / 8;
-  for (const auto& entry : layout.fitted) result.memory.fitted_bytes_per_pixel += entry.bits_per_pixel / 8;
-  result.memory.paper_bytes = static_cast<std::uint64_t>(result.memory.paper_bytes_per_pixel * pixels);
-  result.memory.fitted_bytes = static_cast<std::uint64_t>(result.memory.fitted_bytes_per_pixel * pixels);
-  result.memory.allocated_bytes = recorder.allocated_bytes();
-
-  count_fragments(result, recorder, planned.parameters->alpha);
-  result.counters = outputs.counters;
-  result.counters["triangles"] = scene_->triangle_count();
-  result.counters["screen_triangles"] = frontend_->hull_count();
-  result.counters["clipped_triangles"] = frontend_->clipped_count();
-  result.counters["frontend_bytes"] = frontend_->allocated_bytes();
+  result.ms = recorded.time(options_.repeat);
+  result.memory = recorded.memory();
+  result.shading.fragments = recorded.count_fragments();
+  result.counters = recorded.counters();
+  now("measure");
   const std::string stem = fmt::format("frame{:04}_{:02}_{}", frame, which, result.technique);
-  measure(result, setup, which, stem);
-  inspect(recorder, result, stem);
+  measure(result, recorded.images(), which, stem);
+  inspect(recorded, result, stem);
   return result;
 }
 
-void Replay::inspect(gpu::PassRecorder& recorder, const FrameResult& result, const std::string& stem) {
+void Replay::inspect(RecordedFrame& recorded, const FrameResult& result, const std::string& stem) {
   if (!inspection_.capture || inspection_.capture->frame != result.frame ||
       inspection_.capture->technique != result.technique)
     return;
-  const auto file = render_doc_->capture(job_.out_dir / stem, [&] { recorder.run(); });
+  const auto file = render_doc_->capture(job_.out_dir / stem, [&] { recorded.run(); });
   progress("capture", 1, 1, file.string());
 }
 
-void Replay::count_fragments(FrameResult& result, const gpu::PassRecorder& recorder, AlphaDecision alpha) {
-  const auto counted = [&](bool visible) {
-    // Which triangles are visible depends on how alpha decides.
-    const FragmentKind kind{result.samples, visible, visible ? alpha : AlphaDecision::to_coverage};
-    const auto [found, fresh] = fragments_.try_emplace(kind, 0);
-    if (fresh) found->second = frontend_->count_fragments(visible, width_, height_);
-    return found->second;
-  };
-  for (const auto& timing : recorder.timings()) {
-    std::uint64_t fragments = timing.screen_pixels;
-    if (timing.times_all > 0) fragments += timing.times_all * counted(false);
-    if (timing.times_visible > 0) fragments += timing.times_visible * counted(true);
-    if (fragments > 0) result.shading.fragments[timing.name] = fragments;
-  }
-}
-
-void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which, const std::string& stem) {
-  now("measure");
-  const Downloaded radiance = download_colour(device_, *setup.outputs.radiance, Encoding::linear);
-  Image display = download_colour(device_, *setup.outputs.display, Encoding::display).colour;
-
-  const std::size_t pixels = radiance.alpha.size();
+void Replay::measure(FrameResult& result, FrameImages images, std::size_t which, const std::string& stem) {
+  const std::size_t pixels = images.executions.size();
   std::vector<std::uint32_t> counts(pixels);
-  std::transform(radiance.alpha.begin(), radiance.alpha.end(), counts.begin(),
+  std::transform(images.executions.begin(), images.executions.end(), counts.begin(),
                  [](float count) { return static_cast<std::uint32_t>(std::max(count, 0.0f)); });
   const std::uint32_t most = *std::max_element(counts.begin(), counts.end());
   result.shading.histogram.assign(most + 1, 0);
@@ -356,21 +267,18 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which, 
     result.shading.executions += count;
   }
   result.shading.per_pixel_mean = static_cast<double>(result.shading.executions) / static_cast<double>(pixels);
-  result.counters["invalid_pixels"] = invalid_pixels(radiance.colour) + invalid_pixels(display);
+  result.counters["invalid_pixels"] = invalid_pixels(images.radiance) + invalid_pixels(images.display);
 
-  result.images["image"] = write_png(stem + ".png", display);
-  mark_not_finite(radiance.colour, display);  // a tone curve may have made a colour of what is none
+  result.images["image"] = write_png(stem + ".png", images.display);
+  mark_not_finite(images.radiance, images.display);  // a tone curve may have made a colour of what is none
   now("write");
-  write_file_atomically(job_.out_dir / (stem + ".exr"), encode_exr(radiance.colour));
+  write_file_atomically(job_.out_dir / (stem + ".exr"), encode_exr(images.radiance));
   now("measure");
   result.images["hdr"] = stem + ".exr";
   result.images["shading"] =
       write_png(stem + "_shading.png",
                 colour_counts(width_, height_, counts, result.samples, "Lighting executions", "per pixel").image);
-  for (const auto& [name, image] : setup.outputs.maps) {
-    const auto bytes = gpu::download(device_, *image);
-    std::vector<std::uint32_t> values(pixels);
-    std::memcpy(values.data(), bytes.data(), bytes.size());
+  for (const auto& [name, values] : images.maps) {
     for (const MapDescription& map : planned_[which].technique->maps) {
       if (map.name != name) continue;
       const auto maximum = map.maximum > 0 ? static_cast<std::uint32_t>(map.maximum) : result.samples;
@@ -386,19 +294,19 @@ void Replay::measure(FrameResult& result, FrameSetup& setup, std::size_t which, 
   const ReferenceImage& truth = reference->image;
   result.images["reference"] = reference->file;
   if (reference->invalid_pixels > 0) result.counters["invalid_reference_pixels"] = reference->invalid_pixels;
-  result.error.mse = mse(truth.display, display);
+  result.error.mse = mse(truth.display, images.display);
   result.error.psnr_db = psnr_db(result.error.mse);
-  result.error.hdr_rel_mse = hdr_relative_mse(truth.linear, radiance.colour);
-  const FlipResult perceived = flip(truth.display, display);
+  result.error.hdr_rel_mse = hdr_relative_mse(truth.linear, images.radiance);
+  const FlipResult perceived = flip(truth.display, images.display);
   result.error.flip_mean = perceived.mean;
   result.error.flip_p99 = perceived.p99;
   result.error.flip_max = perceived.maximum;
   const auto truth_before = references_before_.find(reference_kind(planned_[which]));
   if (frame_before_ && *frame_before_ + 1 == result.frame && before_[which].width != 0 &&
       truth_before != references_before_.end())
-    result.error.flicker = flicker(truth_before->second.image.display, truth.display, before_[which], display);
-  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(truth.display, display)).image);
-  before_[which] = std::move(display);
+    result.error.flicker = flicker(truth_before->second.image.display, truth.display, before_[which], images.display);
+  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(truth.display, images.display)).image);
+  before_[which] = std::move(images.display);
 }
 
 }  // namespace

@@ -12,10 +12,12 @@
 
 #include "bench/precision/exact_frame.hpp"
 #include "bench/precision/formats.hpp"
+#include "replay/frame/run_frame.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/metrics.hpp"
+#include "replay/reference/reference_cache.hpp"
+#include "replay/techniques/registry.hpp"
 #include "scenes/generate/generate.hpp"
-#include "tests/hard_cases/case_run.hpp"
 
 namespace subpixel::precision {
 namespace {
@@ -251,9 +253,9 @@ void print_device() {
   gpu::Device device;
   for (const char* name : {"cube", "spheres", "hard_interpenetrating", "hard_small_angle", "hard_roughness",
                            "hard_grazing", "hard_far_origin", "hard_bright_light", "hard_emissive_only"}) {
-    replay::CaseScene scene(device, capture::generate(name, {.frames = 1, .width = 160, .height = 90}));
-    const Image shown = scene.run(replay::find_technique("forward")).display;
-    const Image exact = render(ExactFrame(scene.capture, scene.width, scene.height), {}).display;
+    replay::FrameScene scene(device, capture::generate(name, {.frames = 1, .width = 160, .height = 90}));
+    const Image shown = run_frame(scene, replay::find_technique("forward").with()).display;
+    const Image exact = render(ExactFrame(scene.capture, scene.width(), scene.height()), {}).display;
     std::size_t off = 0;
     double elsewhere = 0;
     for (std::size_t i = 0; i < exact.pixels.size(); i += 3) {
@@ -285,15 +287,16 @@ void print_variants() {
   for (const char* name : {"grass", "city", "spheres", "hard_railings", "hard_overflow", "hard_depth_range"}) {
     const capture::SceneInfo info = capture::find_scene(name);
     const bool small = info.group == capture::SceneGroup::hard;
-    replay::CaseScene scene(
+    replay::FrameScene scene(
         device,
         capture::generate(name, {.frames = 1, .width = small ? info.width : 160, .height = small ? info.height : 90}));
-    const Image reference = scene.reference(64, folder).display;
+    const Image reference =
+        cached_reference(device, scene.scene, 0, {.samples = 64}, replay::ReferenceCache(folder)).image.display;
     for (const Variant& v : kVariants) {
       for (const replay::Technique* technique : replay::techniques()) {
         if (technique->name != v.technique) continue;
         const auto with = [&](std::string_view value) {
-          return scene.run(*technique, {{std::string(v.parameter), std::string(value)}}).display;
+          return run_frame(scene, technique->with({{std::string(v.parameter), std::string(value)}})).display;
         };
         const Image published = with(v.published), other = with(v.other);
         const double between = 1e3 * replay::flip(published, other).mean;

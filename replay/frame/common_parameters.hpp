@@ -5,12 +5,11 @@
 #include <vector>
 
 #include "replay/frame/parameter_fields.hpp"
-#include "replay/frontend/frontend.hpp"
+#include "replay/frontend/frontend_frame.hpp"
 
 namespace subpixel::replay {
 
 // Values are those of the specialization constants.
-enum class AlphaDecision : std::uint32_t { to_coverage = 0, test = 1, per_sample = 2 };
 enum class ShadingModel : std::uint32_t { ggx = 0, blinn_phong = 1 };
 // Samples are averaged as linear radiance, or after the tone curve.
 enum class Resolve : std::uint32_t { linear = 0, tone_mapped = 1 };

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "replay/frame/common_parameters.hpp"
-#include "replay/frontend/frontend.hpp"
+#include "replay/frontend/fragment_lists.hpp"
 
 namespace subpixel::replay {
 
@@ -21,13 +22,20 @@ struct FrameOutputs {
   std::map<std::string, std::uint64_t> counters;
 };
 
-struct FrameSetup {
+struct FrameSetup : FrontendFrame {
+  FrameSetup(const FrontendFrame& frame, const CommonParameters& parameters, FrameOutputs& frame_outputs)
+      : FrontendFrame(frame),
+        scene(frame.frontend.scene()),
+        common(parameters),
+        outputs(frame_outputs),
+        samples(parameters.samples) {}
+
   GpuScene& scene;
-  Frontend& frontend;
-  std::uint32_t width = 0, height = 0;
   const CommonParameters& common;  // of the technique's own type
   FrameOutputs& outputs;
-  const std::uint32_t samples = common.samples;
+  const std::uint32_t samples;
+  // Of techniques that go through lists of fragments, where this frame has them.
+  std::optional<FragmentListSizes> lists;
 };
 
 // The same for a technique whose parameters are `P`. Throws std::bad_cast when they are another's.
@@ -40,6 +48,10 @@ struct SetupFor : FrameSetup {
 
 // Specialization constants of what all techniques let one choose.
 gpu::Constants common_constants(const FrameSetup& setup);
+
+// The lists that were measured for the frame, passes `name`; none where none were.
+std::optional<FragmentLists> record_measured_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
+                                                   const std::string& name);
 
 // Bits a surface of this scene takes in a G-buffer that holds only what the scene needs, without depth.
 double fitted_surface_bits(SceneFeatures features);

@@ -46,6 +46,8 @@ struct Technique {
   std::function<std::shared_ptr<const CommonParameters>(const ParameterValues& checked)> read;
   std::function<MemoryLayout(const FrameSetup&)> layout;
   std::function<void(gpu::PassRecorder&, const FrameSetup&)> record;
+  // Whose passes go through lists of fragments where their order (OrderedParameters) is by lists: with these masks.
+  std::optional<ListedMasks> lists;
 
   // `given` (text or JSON scalars by name) and the defaults for the rest. Throws UsageError naming the valid
   // parameters, the range or the choices.
@@ -60,6 +62,7 @@ struct TechniqueOf {
   std::vector<MapDescription> maps;
   std::function<MemoryLayout(const SetupFor<P>&)> layout;
   std::function<void(gpu::PassRecorder&, const SetupFor<P>&)> record;
+  std::optional<ListedMasks> lists = {};
 
   operator Technique() const {
     return {name,
@@ -73,7 +76,8 @@ struct TechniqueOf {
             [layout = layout](const FrameSetup& setup) { return layout(SetupFor<P>(setup)); },
             [record = record](gpu::PassRecorder& recorder, const FrameSetup& setup) {
               record(recorder, SetupFor<P>(setup));
-            }};
+            },
+            lists};
   }
 };
 

@@ -15,20 +15,20 @@ struct Counted {
   gpu::AddressTable* addresses;
 };
 
-Counted make_counted(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  const Frontend& frontend = setup.frontend;
-  const std::uint64_t pixels = std::uint64_t{setup.width} * setup.height;
+Counted make_counted(gpu::PassRecorder& recorder, const FrontendFrame& frame) {
+  const Frontend& frontend = frame.frontend;
+  const std::uint64_t pixels = std::uint64_t{frame.width} * frame.height;
   return {&recorder.buffer("pixel list ends", pixels * 4),
-          &recorder.buffer("fragment bases", setup.frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 4),
+          &recorder.buffer("fragment bases", frame.frontend.records().bytes() / sizeof(gpu_types::TriangleRecord) * 4),
           &recorder.buffer("fragment sums", (std::uint64_t{frontend.chunk_count()} + 1) * 16),
           &recorder.buffer("pixel list sums", (groups_of(pixels) + 1) * 16),
           &recorder.address_table("list addresses", sizeof(gpu_types::ListAddresses))};
 }
 
 // Both kinds of triangles, counted or stored.
-void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+void record_collection(gpu::PassRecorder& recorder, const FrontendFrame& frame, const FragmentLists& lists,
                        const std::string& name, ListedMasks masks, const std::string& variant) {
-  Frontend& frontend = setup.frontend;
+  Frontend& frontend = frame.frontend;
   const std::uint32_t groups = groups_of(frontend.small_count(true));
   const std::uint32_t runs = device_runs();
   gpu::ComputePass small;
@@ -42,8 +42,8 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
                                     .count = static_cast<std::uint32_t>(frontend.small_count(true)),
                                     .groups = groups,
                                     .runs = runs,
-                                    .width = setup.width,
-                                    .height = setup.height};
+                                    .width = frame.width,
+                                    .height = frame.height};
   small.push = gpu::PushConstants(push);
   small.groups = {(groups + runs - 1) / runs * runs, 1, 1};
   recorder.compute(std::move(small));
@@ -52,21 +52,21 @@ void record_collection(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   rest.without_small = true;
   rest.fragment_opaque = rest.fragment_alpha = "frontend/collect.frag:" + variant;
   rest.pass.name = name;
-  rest.pass.pipeline.constants = common_constants(setup);
-  rest.pass.pipeline.constants.emplace_back(FRONTEND_CONSTANT_WITH_MASKS, static_cast<std::uint32_t>(masks));
-  rest.pass.size = {setup.width, setup.height};
+  rest.pass.pipeline.constants = {{CONSTANT_ALPHA_MODE, static_cast<std::uint32_t>(frame.alpha)},
+                                  {FRONTEND_CONSTANT_WITH_MASKS, static_cast<std::uint32_t>(masks)}};
+  rest.pass.size = {frame.width, frame.height};
   rest.pass.bindings = {gpu::writes(FRONTEND_SLOT_LISTS, *lists.addresses)};
   frontend.record_geometry(recorder, std::move(rest));
 }
 
 // Counts the fragments of pixels and records and turns the counts into bases.
-void record_counting(gpu::PassRecorder& recorder, const FrameSetup& setup, const Counted& counted,
+void record_counting(gpu::PassRecorder& recorder, const FrontendFrame& frame, const Counted& counted,
                      const FragmentLists& lists, const std::string& name, ListedMasks masks) {
-  Frontend& frontend = setup.frontend;
+  Frontend& frontend = frame.frontend;
   frontend.record_small_list(recorder, name, true);
   recorder.fill(name, *counted.ends, 0);
   recorder.fill(name, *counted.bases, 0);
-  record_collection(recorder, setup, lists, name, masks, "COUNT");
+  record_collection(recorder, frame, lists, name, masks, "COUNT");
 
   gpu::ComputePass bases;
   bases.name = name;
@@ -83,7 +83,7 @@ void record_counting(gpu::PassRecorder& recorder, const FrameSetup& setup, const
   record_scan(recorder, name, *counted.chunk_sums, frontend.chunk_count());
   bases.shader = "frontend/fragment_bases.comp:BASE";
   recorder.compute(bases);
-  record_bases(recorder, name, *counted.ends, *counted.pixel_sums, setup.width * setup.height);
+  record_bases(recorder, name, *counted.ends, *counted.pixel_sums, frame.width * frame.height);
 }
 
 FragmentLists lists_of(const Counted& counted) {
@@ -110,45 +110,48 @@ gpu_types::ListAddresses FragmentLists::writes(gpu::AddressUses& pass) const {
   return {.fragments = address(fragments), .numbers = address(numbers), .ends = address(ends), .bases = address(bases)};
 }
 
-std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
-                                                   const std::string& name, ListedMasks masks) {
-  Frontend& frontend = setup.frontend;
-  if (dynamic_cast<const OrderedParameters&>(setup.common).order != FragmentOrder::lists ||
-      groups_of(frontend.small_count(true)) + 64 > kMostGroups)
+std::optional<FragmentListSizes> measure_fragment_lists(const FrontendFrame& frame, ListedMasks masks) {
+  Frontend& frontend = frame.frontend;
+  if (groups_of(frontend.small_count(true)) + 64 > kMostGroups) return std::nullopt;
+  gpu::PassRecorder counting(frontend.device());
+  frontend.record_setup(counting);
+  const Counted counted = make_counted(counting, frame);
+  // Sums over pixels and records are taken through bound ranges.
+  if (std::max(counted.ends->bytes(), counted.bases->bytes()) > frontend.device().info().max_storage_buffer_range)
     return std::nullopt;
-  FragmentLists lists;
-  {
-    gpu::PassRecorder sizing(setup.frontend.device());
-    frontend.record_setup(sizing);
-    const Counted counted = make_counted(sizing, setup);
-    // Sums over pixels and records are taken through bound ranges.
-    if (std::max(counted.ends->bytes(), counted.bases->bytes()) > frontend.device().info().max_storage_buffer_range)
-      return std::nullopt;
-    record_counting(sizing, setup, counted, lists_of(counted), name, masks);
-    sizing.run();
-    const auto sums = counted.chunk_sums->as<glm::uvec4>();
-    lists.count = sums[frontend.chunk_count()].x;
-    const auto begins = counted.ends->as<std::uint32_t>().first(std::size_t{setup.width} * setup.height);
-    // The device's sums are modulo 2^32; a single pixel's are right.
-    std::uint64_t total = 0;
-    std::uint32_t longest = 0;
-    for (std::size_t p = 0; p < begins.size(); ++p) {
-      const auto next = p + 1 < begins.size() ? begins[p + 1] : static_cast<std::uint32_t>(lists.count);
-      total += next - begins[p];
-      longest = std::max(longest, next - begins[p]);
-    }
-    const std::uint64_t most = std::max(kMostFragmentsPerPixel * setup.width * setup.height,
-                                        kMostFragmentsPerTriangle * frontend.hull_count());
-    if (total > std::clamp(most, kAnyFragments, kMostFragments) || longest > kLongestList) return std::nullopt;
-    if (longest > kLongestListOfShortLoops && !runs_long_loops(frontend.device())) return std::nullopt;
-    for (const Frontend::Batch& batch : frontend.material_batches()) {
-      const std::uint64_t first = sums[batch.first_chunk].x, last = sums[batch.last_chunk].x;
-      if (first < last) lists.batches.push_back({first, last, batch.material, batch.alpha_test});
-    }
+  record_counting(counting, frame, counted, lists_of(counted), "measure", masks);
+  counting.run();
+  const auto sums = counted.chunk_sums->as<glm::uvec4>();
+  FragmentListSizes sizes;
+  sizes.masks = masks;
+  sizes.count = sums[frontend.chunk_count()].x;
+  const auto begins = counted.ends->as<std::uint32_t>().first(std::size_t{frame.width} * frame.height);
+  // The device's sums are modulo 2^32; a single pixel's are right.
+  std::uint64_t total = 0;
+  std::uint32_t longest = 0;
+  for (std::size_t p = 0; p < begins.size(); ++p) {
+    const auto next = p + 1 < begins.size() ? begins[p + 1] : static_cast<std::uint32_t>(sizes.count);
+    total += next - begins[p];
+    longest = std::max(longest, next - begins[p]);
   }
+  const std::uint64_t most =
+      std::max(kMostFragmentsPerPixel * frame.width * frame.height, kMostFragmentsPerTriangle * frontend.hull_count());
+  if (total > std::clamp(most, kAnyFragments, kMostFragments) || longest > kLongestList) return std::nullopt;
+  if (longest > kLongestListOfShortLoops && !runs_long_loops(frontend.device())) return std::nullopt;
+  for (const Frontend::Batch& batch : frontend.material_batches()) {
+    const std::uint64_t first = sums[batch.first_chunk].x, last = sums[batch.last_chunk].x;
+    if (first < last) sizes.batches.push_back({first, last, batch.material, batch.alpha_test});
+  }
+  return sizes;
+}
 
-  const Counted counted = make_counted(recorder, setup);
-  record_counting(recorder, setup, counted, lists_of(counted), name, masks);
+FragmentLists record_fragment_lists(gpu::PassRecorder& recorder, const FrontendFrame& frame,
+                                    const FragmentListSizes& sizes, const std::string& name) {
+  const Counted counted = make_counted(recorder, frame);
+  record_counting(recorder, frame, counted, lists_of(counted), name, sizes.masks);
+  FragmentLists lists;
+  lists.count = sizes.count;
+  lists.batches = sizes.batches;
   lists.fragments = &recorder.buffer("fragments", lists.count * 16);
   lists.numbers = &recorder.buffer("fragment numbers", lists.count * 4);
   lists.ends = counted.ends;
@@ -158,15 +161,14 @@ std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, 
                                                 .numbers = lists.addresses->of(*lists.numbers),
                                                 .ends = lists.addresses->of(*lists.ends),
                                                 .bases = lists.addresses->of(*lists.bases)});
-  record_collection(recorder, setup, lists, name, masks, "STORE");
-  setup.outputs.counters["listed_fragments"] = lists.count;
+  record_collection(recorder, frame, lists, name, sizes.masks, "STORE");
   return lists;
 }
 
-void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+void record_listed_fragments(gpu::PassRecorder& recorder, const FrontendFrame& frame, const FragmentLists& lists,
                              const ListedPass& pass) {
-  Frontend& frontend = setup.frontend;
-  GpuScene& scene = setup.scene;
+  Frontend& frontend = frame.frontend;
+  GpuScene& scene = frontend.scene();
   for (const FragmentLists::Batch& batch : lists.batches) {
     if (pass.alpha_only && !batch.alpha_test) continue;
     const std::uint32_t groups = groups_of(batch.last - batch.first), row = std::min(groups, kMostGroups);

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "replay/frame/frame_setup.hpp"
+#include "replay/frontend/frontend_frame.hpp"
 #include "shaders/frontend/frontend_interface.h"
 
 namespace subpixel::replay {
@@ -13,15 +13,16 @@ namespace subpixel::replay {
 // Buffers of shaders/frontend/fragment_lists.glsl. Fragments stand by triangle, in submission order; a pixel's numbers
 // are not yet sorted.
 struct FragmentLists {
-  gpu::Buffer *fragments = nullptr, *numbers = nullptr, *ends = nullptr, *bases = nullptr;
-  gpu::AddressTable* addresses = nullptr;  // of the four above
-  std::uint64_t count = 0;
   // Fragments [first, last) of consecutive draws with one material.
   struct Batch {
     std::uint64_t first = 0, last = 0;
     std::uint32_t material = 0;
     bool alpha_test = false;
   };
+
+  gpu::Buffer *fragments = nullptr, *numbers = nullptr, *ends = nullptr, *bases = nullptr;
+  gpu::AddressTable* addresses = nullptr;  // of the four above
+  std::uint64_t count = 0;
   std::vector<Batch> batches;
 
   // Their addresses for the push constants of `pass`, which from then on reads them or writes them, too; 0 for those
@@ -43,11 +44,20 @@ inline constexpr std::uint64_t kMostFragments = 32'000'000;
 // alpha. Or lists hold all pixels that a triangle's edges reach, and masks are the technique's to make.
 enum class ListedMasks : std::uint32_t { later = 0, collected = 1 };
 
-// Collects the current frame's fragments, passes `name`, if the order (OrderedParameters) asks for lists and the frame
-// is within the limits above and the device's: a run on the spot counts them. Set-up is recorded already. The counter
-// "listed_fragments" says so.
-std::optional<FragmentLists> record_fragment_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
-                                                   const std::string& name, ListedMasks masks);
+// What has to be known of a frame's lists before they are recorded.
+struct FragmentListSizes {
+  ListedMasks masks = ListedMasks::later;
+  std::uint64_t count = 0;
+  std::vector<FragmentLists::Batch> batches;
+};
+
+// Counts the fragments of the frame by a run on the spot. Nothing when it is not within the limits above and the
+// device's.
+std::optional<FragmentListSizes> measure_fragment_lists(const FrontendFrame& frame, ListedMasks masks);
+
+// Collects the fragments of the frame that was measured, passes `name`. Set-up is recorded already.
+FragmentLists record_fragment_lists(gpu::PassRecorder& recorder, const FrontendFrame& frame,
+                                    const FragmentListSizes& sizes, const std::string& name);
 
 // A pass over the fragments material by material, textures bound: one invocation for each fragment of a batch, whose
 // range the shader finds in its push constants (shaders/frontend/listed_fragment.glsl). With `alpha_only` over
@@ -58,7 +68,7 @@ struct ListedPass : gpu::AddressUses {
   std::vector<gpu::Binding> bindings;
   bool alpha_only = false;
 };
-void record_listed_fragments(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+void record_listed_fragments(gpu::PassRecorder& recorder, const FrontendFrame& frame, const FragmentLists& lists,
                              const ListedPass& pass);
 
 }  // namespace subpixel::replay

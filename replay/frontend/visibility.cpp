@@ -27,13 +27,13 @@ struct SmallLists {
   gpu::Buffer *triangles, *ends, *listed;
 };
 
-std::uint32_t block_count(const FrameSetup& setup) {
-  return (setup.width + 3) / 4 * ((setup.height + 1) / 2);
+std::uint32_t block_count(const FrontendFrame& frame) {
+  return (frame.width + 3) / 4 * ((frame.height + 1) / 2);
 }
 
-SmallLists record_small_lists(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  Frontend& frontend = setup.frontend;
-  const std::uint32_t blocks = block_count(setup), block_groups = groups_of(blocks);
+SmallLists record_small_lists(gpu::PassRecorder& recorder, const FrontendFrame& frame) {
+  Frontend& frontend = frame.frontend;
+  const std::uint32_t blocks = block_count(frame), block_groups = groups_of(blocks);
   SmallLists lists{&recorder.buffer("small triangles", frontend.small_count() * sizeof(gpu_types::SmallTriangle)),
                    &recorder.buffer("block list ends", std::uint64_t{blocks} * 4),
                    // One more than are listed: visibility_small.frag reads ahead.
@@ -53,8 +53,8 @@ SmallLists record_small_lists(gpu::PassRecorder& recorder, const FrameSetup& set
                                                           .count = static_cast<std::uint32_t>(frontend.small_count()),
                                                           .groups = groups,
                                                           .runs = runs,
-                                                          .width = setup.width,
-                                                          .height = setup.height});
+                                                          .width = frame.width,
+                                                          .height = frame.height});
   list.groups = {(groups + runs - 1) / runs * runs, 1, 1};
   recorder.compute(list);
   record_bases(recorder, kPass, *lists.ends, sums, blocks);
@@ -65,40 +65,30 @@ SmallLists record_small_lists(gpu::PassRecorder& recorder, const FrameSetup& set
 }
 
 // Does a block's list outgrow the loops of the device? Lists are counted only where that is possible.
-bool lists_too_long(const FrameSetup& setup) {
-  Frontend& frontend = setup.frontend;
+bool lists_too_long(const FrontendFrame& frame) {
+  Frontend& frontend = frame.frontend;
   if (frontend.small_count() < kMostEntries || runs_long_loops(frontend.device())) return false;
   gpu::PassRecorder counting(frontend.device());
   frontend.record_setup(counting);
-  const SmallLists lists = record_small_lists(counting, setup);
+  const SmallLists lists = record_small_lists(counting, frame);
   counting.run();
   const auto ends = lists.ends->as<std::uint32_t>();
   std::uint32_t longest = ends[0];
-  for (std::uint32_t block = 1; block < block_count(setup); ++block)
+  for (std::uint32_t block = 1; block < block_count(frame); ++block)
     longest = std::max(longest, ends[block] - ends[block - 1]);
   return longest >= kMostEntries;
 }
 
-// Lists cost about what the hulls of 1/32 as many triangles as pixels do.
-bool small_in_lists(const FrameSetup& setup, SmallTriangles small) {
-  if (small != SmallTriangles::automatic) return small == SmallTriangles::in_lists;
-  Frontend& frontend = setup.frontend;
-  const std::uint64_t range = frontend.device().info().max_storage_buffer_range;
-  return 32 * frontend.small_count() > std::uint64_t{setup.width} * setup.height &&
-         frontend.small_count() * sizeof(gpu_types::SmallTriangle) <= range &&
-         (frontend.small_blocks() + 1) * 4 <= range && !lists_too_long(setup);
-}
-
 // Small triangles of sample group `g` into the image.
-void record_small_triangles(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& image,
+void record_small_triangles(gpu::PassRecorder& recorder, const FrontendFrame& frame, gpu::Image& image,
                             const SmallLists& lists, std::uint32_t group, std::uint32_t g) {
-  const gpu_types::VisibilitySmallPush push{static_cast<std::uint32_t>(setup.frontend.small_count()), setup.width,
-                                            setup.height};
+  const gpu_types::VisibilitySmallPush push{static_cast<std::uint32_t>(frame.frontend.small_count()), frame.width,
+                                            frame.height};
   gpu::RasterPass pass;
   pass.name = kPass;
   pass.pipeline.vertex = "shade/fullscreen.vert";
   pass.pipeline.fragment = "frontend/visibility_small.frag:" + std::to_string(group);
-  pass.pipeline.constants = setup.frontend.constants();
+  pass.pipeline.constants = frame.frontend.constants();
   pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, g);
   pass.bindings = {gpu::reads(FRONTEND_SLOT_SMALL_TRIANGLES, *lists.triangles),
                    gpu::reads(FRONTEND_SLOT_BLOCK_ENDS, *lists.ends),
@@ -115,18 +105,29 @@ std::uint32_t visibility_group(std::uint32_t samples) {
   return std::min(samples, 16u);
 }
 
-gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& setup, SmallTriangles small) {
-  const std::uint32_t group = visibility_group(setup.samples);
+SmallTriangles choose_small_triangles(const FrontendFrame& frame) {
+  const Frontend& frontend = frame.frontend;
+  const std::uint64_t range = frame.frontend.device().info().max_storage_buffer_range;
+  // Lists cost about what the hulls of 1/32 as many triangles as pixels do.
+  const bool in_lists = 32 * frontend.small_count() > std::uint64_t{frame.width} * frame.height &&
+                        frontend.small_count() * sizeof(gpu_types::SmallTriangle) <= range &&
+                        (frontend.small_blocks() + 1) * 4 <= range && !lists_too_long(frame);
+  return in_lists ? SmallTriangles::in_lists : SmallTriangles::as_hulls;
+}
+
+gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrontendFrame& frame) {
+  const std::uint32_t samples = frame.frontend.samples();
+  const std::uint32_t group = visibility_group(samples);
   const std::uint32_t quads = group / 4;  // 0 for one and two samples, whose depths and triangles share a texel
-  const std::uint32_t layers = quads == 0 ? 1 : setup.samples / 2;
+  const std::uint32_t layers = quads == 0 ? 1 : samples / 2;
   gpu::Image& image = recorder.image(
-      {"visibility", kTexel, setup.width, setup.height, 1, layers, VK_SAMPLE_COUNT_1_BIT,
+      {"visibility", kTexel, frame.width, frame.height, 1, layers, VK_SAMPLE_COUNT_1_BIT,
        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
   std::optional<SmallLists> lists;
-  if (small_in_lists(setup, small)) lists = record_small_lists(recorder, setup);
+  if (frame.small == SmallTriangles::in_lists) lists = record_small_lists(recorder, frame);
   constexpr std::uint32_t kNone = SUBPIXEL_NO_TRIANGLE;
-  for (std::uint32_t g = 0; g < setup.samples / group; ++g) {
-    if (lists) record_small_triangles(recorder, setup, image, *lists, group, g);
+  for (std::uint32_t g = 0; g < samples / group; ++g) {
+    if (lists) record_small_triangles(recorder, frame, image, *lists, group, g);
     Frontend::GeometryPass geometry;
     geometry.without_small = lists.has_value();
     gpu::RasterPass& pass = geometry.pass;
@@ -134,10 +135,10 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& set
     const std::string variant = std::to_string(group);
     geometry.fragment_opaque = "frontend/visibility.frag:" + variant;
     geometry.fragment_alpha = "frontend/visibility.frag:" + variant + "A";
-    pass.pipeline.constants = common_constants(setup);
-    pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, g);
+    pass.pipeline.constants = {{CONSTANT_ALPHA_MODE, static_cast<std::uint32_t>(frame.alpha)},
+                               {CONSTANT_SAMPLE_GROUP, g},
+                               {FRONTEND_CONSTANT_AFTER_SMALL, lists ? 1 : 0}};
     pass.pipeline.targets.ordered_read = true;
-    pass.pipeline.constants.emplace_back(FRONTEND_CONSTANT_AFTER_SMALL, lists ? 1 : 0);
     pass.pipeline.targets.clear = !lists;
     if (quads == 0) {
       pass.colours = {{image, 0}};
@@ -149,9 +150,9 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrameSetup& set
                                                    : std::array<std::uint32_t, 4>{kNone, kNone, kNone, kNone});
       }
     }
-    setup.frontend.record_geometry(recorder, std::move(geometry));
+    frame.frontend.record_geometry(recorder, std::move(geometry));
   }
-  setup.frontend.record_visible(recorder, image);
+  frame.frontend.record_visible(recorder, image);
   return image;
 }
 

@@ -11,6 +11,8 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/hash.hpp"
+#include "capture_format/writer.hpp"
 #include "shaders/embedded.hpp"
 
 namespace subpixel::replay {
@@ -185,6 +187,12 @@ CachedReference cached_reference(gpu::Device& device, GpuScene& scene, std::stri
     result.store_error = error.what();
   }
   return result;
+}
+
+CachedReference cached_reference(gpu::Device& device, GpuScene& scene, std::uint32_t frame,
+                                 const ReferenceOptions& options, const ReferenceCache& cache) {
+  const std::string hash = content_hash_hex(capture::encode_capture(scene.capture(), {.zstd_level = 0}));
+  return cached_reference(device, scene, hash, frame, options, cache);
 }
 
 }  // namespace subpixel::replay

@@ -44,5 +44,8 @@ struct CachedReference {
 CachedReference cached_reference(gpu::Device& device, GpuScene& scene, std::string_view capture_hash,
                                  std::uint32_t frame, const ReferenceOptions& options, const ReferenceCache& cache,
                                  const ReferenceProgress& progress = {});
+// The same of a capture that is in no file.
+CachedReference cached_reference(gpu::Device& device, GpuScene& scene, std::uint32_t frame,
+                                 const ReferenceOptions& options, const ReferenceCache& cache);
 
 }  // namespace subpixel::replay

@@ -95,6 +95,7 @@ const Technique kDcaa = TechniqueOf<DcaaParameters>{
     .maps = dcaa_maps(),
     .layout = layout,
     .record = record,
+    .lists = ListedMasks::later,
 };
 
 }  // namespace subpixel::replay

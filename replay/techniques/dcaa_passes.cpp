@@ -310,7 +310,7 @@ std::vector<MapDescription> dcaa_maps() {
 
 void record_dcaa(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form) {
   setup.frontend.record_setup(recorder);
-  const auto lists = record_fragment_lists(recorder, setup, "collect", ListedMasks::later);
+  const auto lists = record_measured_lists(recorder, setup, "collect");
   Resources resources = make_resources(recorder, setup, form, lists.has_value());
   if (lists) {
     record_list_merge(recorder, setup, form, *lists, resources);

@@ -45,7 +45,7 @@ struct DcaaForm {
 // The part of a form that those parameters decide.
 DcaaForm common_form(const DecoupledParameters& parameters);
 
-// All passes of a frame, outputs and maps included. `setup` is of parameters that have an order (OrderedParameters).
+// All passes of a frame, outputs and maps included.
 void record_dcaa(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form);
 
 // The depth prepass by itself: an image (RGBA32UI array of two layers) whose first layer's xyz are float bits of a

@@ -92,6 +92,7 @@ const Technique kHybrid = TechniqueOf<HybridParameters>{
     .maps = dcaa_maps(),
     .layout = layout,
     .record = record,
+    .lists = ListedMasks::later,
 };
 
 }  // namespace subpixel::replay

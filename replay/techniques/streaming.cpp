@@ -201,7 +201,7 @@ void record_maps(gpu::PassRecorder& recorder, const StreamingSetup& setup, const
 
 StreamingState record_streaming(gpu::PassRecorder& recorder, const StreamingSetup& setup) {
   setup.frontend.record_setup(recorder);
-  const auto lists = record_fragment_lists(recorder, setup, "collect", ListedMasks::collected);
+  const auto lists = record_measured_lists(recorder, setup, "collect");
   const State state = make_state(recorder, setup, lists.has_value());
   if (lists)
     record_list_compression(recorder, setup, *lists, state);
@@ -249,6 +249,7 @@ const Technique kStreaming = TechniqueOf<StreamingParameters>{
              {"order_errors", "Surfaces out of order", "surfaces", 4}},
     .layout = layout,
     .record = [](gpu::PassRecorder& recorder, const StreamingSetup& setup) { record_streaming(recorder, setup); },
+    .lists = ListedMasks::collected,
 };
 
 }  // namespace subpixel::replay

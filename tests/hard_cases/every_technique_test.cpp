@@ -6,8 +6,12 @@
 
 #include <numeric>
 
-#include "tests/hard_cases/bounds.hpp"
-#include "tests/hard_cases/case_run.hpp"
+#include "replay/frame/run_frame.hpp"
+#include "replay/measure/error_bounds.hpp"
+#include "replay/measure/metrics.hpp"
+#include "replay/reference/reference_cache.hpp"
+#include "replay/techniques/registry.hpp"
+#include "scenes/generate/hard_cases/hard_cases.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
 
 namespace subpixel::replay {
@@ -20,6 +24,16 @@ std::filesystem::path reference_folder() {
   return std::filesystem::path(SUBPIXEL_BINARY).parent_path() / "hard_case_references";
 }
 
+ReferenceImage reference_of(FrameScene& scene) {
+  return cached_reference(test_device(), scene.scene, scene.frame(), {.samples = kReferenceSamples},
+                          ReferenceCache(reference_folder()))
+      .image;
+}
+
+ErrorBounds error_bounds() {
+  return ErrorBounds(SUBPIXEL_SOURCE_DIR "/tests/hard_cases/bounds.json");
+}
+
 const capture::HardCase& find_case(std::string_view name) {
   for (const capture::HardCase& hard : capture::hard_cases())
     if (hard.name == name) return hard;
@@ -29,11 +43,14 @@ const capture::HardCase& find_case(std::string_view name) {
 class HardCases : public testing::TestWithParam<const Technique*> {
  protected:
   const Technique& technique() const { return *GetParam(); }
+  FrameRun run(FrameScene& scene, const ParameterValues& given = {}) const {
+    return run_frame(scene, technique().with(given));
+  }
   bool single_sample() const { return technique().name == "noaa" || technique().name == "fxaa"; }
 };
 
 // No pixel is NaN, infinite or negative; no pixel is lit more often than it has samples.
-void expect_sound(const CaseResult& result, std::string_view name) {
+void expect_sound(const FrameRun& result, std::string_view name) {
   EXPECT_EQ(invalid_pixels(result.radiance), 0u) << name;
   EXPECT_EQ(invalid_pixels(result.display), 0u) << name;
   for (const float value : result.display.pixels) ASSERT_LE(value, 1.0f) << name;
@@ -46,13 +63,13 @@ void expect_sound(const CaseResult& result, std::string_view name) {
 }
 
 TEST_P(HardCases, StayWithinTheirBounds) {
-  const ErrorBounds bounds;
+  const ErrorBounds bounds = error_bounds();
   for (const capture::HardCase& hard : capture::hard_cases()) {
     ASSERT_TRUE(bounds.has(hard.name)) << hard.name << " lacks a row in bounds.json";
-    CaseScene scene(test_device(), make_case(hard));
-    const CaseResult result = scene.run(technique());
+    FrameScene scene(test_device(), capture::make_case(hard));
+    const FrameRun result = run(scene);
     expect_sound(result, hard.name);
-    const double error = mse(scene.reference(kReferenceSamples, reference_folder()).display, result.display);
+    const double error = mse(reference_of(scene).display, result.display);
     const ErrorBound bound = bounds.of(hard.name, technique().name);
     EXPECT_LE(error, bound.mse) << hard.name << ": " << bound.why;
     RecordProperty(std::string(hard.name), std::to_string(error));
@@ -64,7 +81,7 @@ TEST_P(HardCases, StayWithinTheirBounds) {
 // The fewest and the most samples, and the least of every other number: one surface, the smallest pool, angle 0.
 TEST_P(HardCases, ExtremeParametersStaySound) {
   for (const std::string_view name : {"hard_overflow", "hard_opposite_normals"}) {
-    CaseScene scene(test_device(), find_case(name).make({.frames = 1, .width = 24, .height = 18}));
+    FrameScene scene(test_device(), find_case(name).make({.frames = 1, .width = 24, .height = 18}));
     for (const Parameter& p : technique().parameters) {
       if (p.kind != ParameterKind::integer && p.kind != ParameterKind::number) continue;
       std::vector<double> values{p.minimum};
@@ -73,16 +90,15 @@ TEST_P(HardCases, ExtremeParametersStaySound) {
         if (p.default_value.is_number() && p.default_value.get<double>() == value) continue;
         const nlohmann::json given =
             p.kind == ParameterKind::integer ? nlohmann::json(static_cast<int>(value)) : nlohmann::json(value);
-        expect_sound(scene.run(technique(), {{std::string(p.name), given}}),
-                     fmt::format("{}, {} = {}", name, p.name, value));
+        expect_sound(run(scene, {{std::string(p.name), given}}), fmt::format("{}, {} = {}", name, p.name, value));
       }
     }
   }
 }
 
 TEST_P(HardCases, AnEmptyFrameIsTheSky) {
-  CaseScene scene(test_device(), make_case(find_case("empty")));
-  const CaseResult result = scene.run(technique());
+  FrameScene scene(test_device(), capture::make_case(find_case("empty")));
+  const FrameRun result = run(scene);
   const auto& sky = scene.capture.frames[0].sky;
   for (std::size_t i = 0; i < result.radiance.pixels.size(); ++i)
     ASSERT_NEAR(result.radiance.pixels[i], sky[i % 3], 1e-6f);
@@ -90,8 +106,8 @@ TEST_P(HardCases, AnEmptyFrameIsTheSky) {
 }
 
 TEST_P(HardCases, OneTriangleFillsTheScreen) {
-  CaseScene scene(test_device(), make_case(find_case("hard_fullscreen")));
-  const CaseResult result = scene.run(technique());
+  FrameScene scene(test_device(), capture::make_case(find_case("hard_fullscreen")));
+  const FrameRun result = run(scene);
   const float colour[] = {0.5f, 0.25f, 1};
   for (std::size_t i = 0; i < result.radiance.pixels.size(); ++i)
     ASSERT_NEAR(result.radiance.pixels[i], colour[i % 3], 1e-6f) << "pixel " << i / 3;
@@ -114,9 +130,9 @@ std::vector<std::size_t> pixels_inside(const Image& image, const Inside& inside)
 }
 
 TEST_P(HardCases, MeshesAreClosed) {
-  CaseScene scene(test_device(), make_case(find_case("hard_shared_edges")));
-  const ReferenceImage reference = scene.reference(kReferenceSamples, reference_folder());
-  const CaseResult result = scene.run(technique());
+  FrameScene scene(test_device(), capture::make_case(find_case("hard_shared_edges")));
+  const ReferenceImage reference = reference_of(scene);
+  const FrameRun result = run(scene);
   const auto white = pixels_inside(reference.linear, [](const float* p) { return p[0] == 1; });
   const auto black = pixels_inside(reference.linear, [](const float* p) { return p[0] == 0; });
   EXPECT_GT(white.size(), 500u);
@@ -126,9 +142,9 @@ TEST_P(HardCases, MeshesAreClosed) {
 }
 
 TEST_P(HardCases, JunctionsLeakSingleSamples) {
-  CaseScene scene(test_device(), make_case(find_case("hard_t_junctions")));
-  const ReferenceImage reference = scene.reference(kReferenceSamples, reference_folder());
-  const CaseResult result = scene.run(technique());
+  FrameScene scene(test_device(), capture::make_case(find_case("hard_t_junctions")));
+  const ReferenceImage reference = reference_of(scene);
+  const FrameRun result = run(scene);
   const auto wall = pixels_inside(reference.linear, [](const float* p) { return p[0] < 0.3f; });
   EXPECT_GT(wall.size(), 800u);
   std::size_t leaks = 0;
@@ -145,23 +161,23 @@ TEST_P(HardCases, JunctionsLeakSingleSamples) {
 }
 
 TEST_P(HardCases, BadTrianglesAreNotThere) {
-  capture::Capture capture = make_case(find_case("hard_bad_vertices"));
-  CaseScene with(test_device(), capture);
+  capture::Capture capture = capture::make_case(find_case("hard_bad_vertices"));
+  FrameScene with(test_device(), capture);
   ASSERT_EQ(capture.frames[0].draws.at(1).name, "bad");
   capture.frames[0].draws.pop_back();
-  CaseScene without(test_device(), capture);
-  EXPECT_EQ(with.run(technique()).radiance.pixels, without.run(technique()).radiance.pixels);
+  FrameScene without(test_device(), capture);
+  EXPECT_EQ(run(with).radiance.pixels, run(without).radiance.pixels);
 }
 
 TEST_P(HardCases, TheFirstOfEqualDepthsStays) {
   if (technique().name == "dcaa" || technique().name == "hybrid")
     GTEST_SKIP() << "it has no depth test: masks may overlap, and both merge";
-  capture::Capture capture = make_case(find_case("hard_coplanar"));
-  CaseScene twice(test_device(), capture);
+  capture::Capture capture = capture::make_case(find_case("hard_coplanar"));
+  FrameScene twice(test_device(), capture);
   ASSERT_EQ(capture.frames[0].draws.at(1).name, "second");
   capture.frames[0].draws.erase(capture.frames[0].draws.begin() + 1);
-  CaseScene once(test_device(), capture);
-  const Image a = twice.run(technique()).radiance, b = once.run(technique()).radiance;
+  FrameScene once(test_device(), capture);
+  const Image a = run(twice).radiance, b = run(once).radiance;
   // The right half, where the other two fight, has no duplicates.
   std::size_t changed = 0;
   for (std::uint32_t y = 0; y < a.height; ++y) {
@@ -177,15 +193,15 @@ TEST_P(HardCases, TheFirstOfEqualDepthsStays) {
 
 // What is a million units away shows as if it were near, but for the rounding of positions that lights are seen from.
 TEST_P(HardCases, FarFromTheOriginNothingMoves) {
-  capture::Capture capture = make_case(find_case("hard_far_origin"));
-  CaseScene far(test_device(), capture);
+  capture::Capture capture = capture::make_case(find_case("hard_far_origin"));
+  FrameScene far(test_device(), capture);
   capture::Frame& frame = capture.frames[0];
   const auto by = static_cast<float>(capture::kFarOrigin);
   for (capture::Draw& draw : frame.draws) draw.transform[12] -= by;
   for (capture::PointLight& light : frame.point_lights) light.position[0] -= by;
   frame.view[12] += by;
-  CaseScene near(test_device(), capture);
-  const CaseResult a = far.run(technique()), b = near.run(technique());
+  FrameScene near(test_device(), capture);
+  const FrameRun a = run(far), b = run(near);
   EXPECT_EQ(a.executions, b.executions);
   const double difference = mse(a.display, b.display);
   RecordProperty("mse", std::to_string(difference));
@@ -193,9 +209,9 @@ TEST_P(HardCases, FarFromTheOriginNothingMoves) {
 }
 
 TEST_P(HardCases, BlackStaysBlackBesideALight) {
-  CaseScene scene(test_device(), make_case(find_case("hard_bright_light")));
-  const ReferenceImage reference = scene.reference(kReferenceSamples, reference_folder());
-  const CaseResult result = scene.run(technique());
+  FrameScene scene(test_device(), capture::make_case(find_case("hard_bright_light")));
+  const ReferenceImage reference = reference_of(scene);
+  const FrameRun result = run(scene);
   // The wall sends some 10,000; what reflects nothing but at grazing angles sends less than a hundredth of that.
   const auto black = pixels_inside(reference.linear, [](const float* p) { return p[0] < 100; });
   EXPECT_GT(black.size(), 500u);
@@ -211,9 +227,9 @@ TEST_P(HardCases, BlackStaysBlackBesideALight) {
 }
 
 TEST_P(HardCases, EmittersShowTheirOwnRadiance) {
-  CaseScene scene(test_device(), make_case(find_case("hard_emissive_only")));
-  const ReferenceImage reference = scene.reference(kReferenceSamples, reference_folder());
-  const CaseResult result = scene.run(technique());
+  FrameScene scene(test_device(), capture::make_case(find_case("hard_emissive_only")));
+  const ReferenceImage reference = reference_of(scene);
+  const FrameRun result = run(scene);
   for (const auto& material : scene.capture.materials) {
     const auto& radiance = material.emissive;
     const auto lamp =
@@ -230,9 +246,9 @@ TEST_P(HardCases, EmittersShowTheirOwnRadiance) {
 
 TEST_P(HardCases, OppositeNormalsGiveHalfTheLight) {
   if (single_sample()) GTEST_SKIP() << "one sample sees one strip";
-  CaseScene scene(test_device(), make_case(find_case("hard_opposite_normals")));
-  const ReferenceImage reference = scene.reference(kReferenceSamples, reference_folder());
-  const CaseResult result = scene.run(technique());
+  FrameScene scene(test_device(), capture::make_case(find_case("hard_opposite_normals")));
+  const ReferenceImage reference = reference_of(scene);
+  const FrameRun result = run(scene);
   const auto strips = pixels_inside(reference.linear, [&](const float* p) { return std::abs(p[2] / p[0] - 1) < 0.2f; });
   ASSERT_GT(strips.size(), 300u);
   double shown = 0, wanted = 0;
@@ -242,7 +258,7 @@ TEST_P(HardCases, OppositeNormalsGiveHalfTheLight) {
   }
   RecordProperty("ratio", std::to_string(shown / wanted));
   // Where normals cancel or one strip stands for all, the table says so: between nothing and twice the light.
-  const bool resolves = ErrorBounds().of("hard_opposite_normals", technique().name).mse < 1e-3;
+  const bool resolves = error_bounds().of("hard_opposite_normals", technique().name).mse < 1e-3;
   EXPECT_NEAR(shown / wanted, 1, resolves ? 0.1 : 1.0);
 }
 

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "tests/hard_cases/case_run.hpp"
+#include "replay/frame/run_frame.hpp"
+#include "replay/techniques/registry.hpp"
+#include "scenes/generate/generate.hpp"
 #include "tests/technique/rich_scene.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
 
@@ -22,7 +24,7 @@ capture::Capture plain_scene() {
 constexpr std::uint64_t kEmptyBuffer = 16;  // gpu::Buffer's size for no bytes
 
 TEST(Features, APlainSceneAllocatesNothingItDoesNotNeed) {
-  CaseScene plain(test_device(), plain_scene());
+  FrameScene plain(test_device(), plain_scene());
   EXPECT_EQ(plain.scene.features().bits, FEATURE_SUN);
   EXPECT_EQ(plain.scene.uvs.bytes(), kEmptyBuffer);
   EXPECT_EQ(plain.scene.tangents.bytes(), kEmptyBuffer);
@@ -37,7 +39,7 @@ TEST(Features, APlainSceneAllocatesNothingItDoesNotNeed) {
                                plain.scene.shadow_map.bytes() + 6 * kEmptyBuffer;
   EXPECT_LE(plain.scene.bytes() - needed, 4096u) << "the white texel's image and nothing else";
 
-  CaseScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures});
+  FrameScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures});
   EXPECT_EQ(general.scene.features().bits, kAllFeatures);
   EXPECT_GT(general.scene.uvs.bytes(), kEmptyBuffer);
   EXPECT_GT(general.scene.tangents.bytes(), kEmptyBuffer);
@@ -48,15 +50,15 @@ TEST(Features, APlainSceneAllocatesNothingItDoesNotNeed) {
 }
 
 TEST(Features, WithoutShadowsNoPassRunsBeforeTheTechniques) {
-  CaseScene plain(test_device(), plain_scene());
+  FrameScene plain(test_device(), plain_scene());
   const double before = test_device().total_ms();
-  plain.scene.set_frame(0, plain.width, plain.height);
+  plain.scene.set_frame(0, plain.width(), plain.height());
   EXPECT_EQ(test_device().total_ms(), before);
   capture::Capture shadowed = plain_scene();
   shadowed.frames[0].sun->shadows = true;
-  CaseScene with(test_device(), shadowed);
+  FrameScene with(test_device(), shadowed);
   const double between = test_device().total_ms();
-  with.scene.set_frame(0, with.width, with.height);
+  with.scene.set_frame(0, with.width(), with.height());
   EXPECT_GT(test_device().total_ms(), between);
 }
 
@@ -99,12 +101,15 @@ TEST(Features, FullSamplesTakeNoMoreWordsThanTheSceneNeeds) {
   const std::pair<const char*, std::uint64_t> holders[] = {
       {"fxaa", 1}, {"msaa", 8}, {"simple_complex", 8}, {"sbaa", 4}};
   for (const SampleCase& of : cases) {
-    CaseScene fitted(test_device(), of.capture), wide(test_device(), of.capture, {.forced_features = FEATURE_EMISSIVE});
+    FrameScene fitted(test_device(), of.capture),
+        wide(test_device(), of.capture, {.forced_features = FEATURE_EMISSIVE});
     ASSERT_EQ(fitted.scene.features().bits & deciding, of.needs) << of.name;
     for (const auto& [name, layers] : holders) {
       SCOPED_TRACE(fmt::format("{}, {}", of.name, name));
-      const CaseResult a = fitted.run(find_technique(name)), b = wide.run(find_technique(name));
-      EXPECT_EQ(b.allocated_bytes - a.allocated_bytes, of.narrow ? 8 * layers * fitted.width * fitted.height : 0);
+      const FrameRun a = run_frame(fitted, find_technique(name).with()),
+                     b = run_frame(wide, find_technique(name).with());
+      EXPECT_EQ(b.memory.allocated_bytes - a.memory.allocated_bytes,
+                of.narrow ? 8 * layers * fitted.width() * fitted.height() : 0);
       EXPECT_EQ(a.radiance.pixels, b.radiance.pixels);
       EXPECT_EQ(a.display.pixels, b.display.pixels);
       EXPECT_EQ(a.executions, b.executions);
@@ -112,19 +117,26 @@ TEST(Features, FullSamplesTakeNoMoreWordsThanTheSceneNeeds) {
     }
   }
   // General shaders have the wide samples.
-  CaseScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures}),
+  FrameScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures}),
       wide(test_device(), plain_scene(), {.forced_features = FEATURE_EMISSIVE});
   for (const auto& [name, layers] : holders)
-    EXPECT_EQ(general.run(find_technique(name)).allocated_bytes, wide.run(find_technique(name)).allocated_bytes)
+    EXPECT_EQ(run_frame(general, find_technique(name).with()).memory.allocated_bytes,
+              run_frame(wide, find_technique(name).with()).memory.allocated_bytes)
         << name;
+}
+
+std::vector<std::string> pass_names(const FrameRun& run) {
+  std::vector<std::string> names;
+  for (const PassTime& pass : run.ms.passes) names.push_back(pass.name);
+  return names;
 }
 
 class FeaturesOf : public testing::TestWithParam<const Technique*> {};
 
 // Whatever only absent features read is made useless: a shader that still looked at it would show.
 TEST_P(FeaturesOf, APlainScenesShadersReadNothingElse) {
-  CaseScene scene(test_device(), plain_scene());
-  const CaseResult expected = scene.run(*GetParam());
+  FrameScene scene(test_device(), plain_scene());
+  const FrameRun expected = run_frame(scene, GetParam()->with());
   constexpr float kBad = std::numeric_limits<float>::quiet_NaN();
   for (gpu_types::MaterialRecord& material : scene.scene.materials.as<gpu_types::MaterialRecord>()) {
     material.base_colour.w = kBad;
@@ -139,7 +151,7 @@ TEST_P(FeaturesOf, APlainScenesShadersReadNothingElse) {
   for (auto& cascade : frame.shadow_cascades) cascade = glm::vec4(kBad);
   for (auto& light : frame.point_lights) light = {glm::vec4(kBad), glm::vec4(kBad)};
   frame.counts.x = SUBPIXEL_MAX_POINT_LIGHTS;
-  const CaseResult result = scene.run(*GetParam());
+  const FrameRun result = run_frame(scene, GetParam()->with());
   EXPECT_EQ(result.radiance.pixels, expected.radiance.pixels);
   EXPECT_EQ(result.executions, expected.executions);
 }
@@ -147,14 +159,14 @@ TEST_P(FeaturesOf, APlainScenesShadersReadNothingElse) {
 // A material that no draw has decides nothing, least of all the roughness of those that are drawn.
 TEST_P(FeaturesOf, AMaterialThatIsNotDrawnChangesNothing) {
   capture::Capture capture = metal_scene();
-  CaseScene scene(test_device(), capture);
+  FrameScene scene(test_device(), capture);
   capture.materials[0] = capture.materials[1];
-  CaseScene same(test_device(), capture);
+  FrameScene same(test_device(), capture);
   ASSERT_EQ(scene.scene.features().bits & FEATURE_VARYING_ROUGHNESS, 0u);
   std::vector<ParameterValues> settings{{}};
   if (GetParam()->name == "streaming" || GetParam()->name == "agaa") settings.push_back({{"samples", 16}});
   for (const ParameterValues& values : settings) {
-    const CaseResult a = scene.run(*GetParam(), values), b = same.run(*GetParam(), values);
+    const FrameRun a = run_frame(scene, GetParam()->with(values)), b = run_frame(same, GetParam()->with(values));
     EXPECT_EQ(a.display.pixels, b.display.pixels);
     EXPECT_EQ(a.executions, b.executions);
   }
@@ -172,38 +184,39 @@ TEST_P(FeaturesOf, TheLastOfManyLightsIsLit) {
   capture::PointLight dark = bright;
   dark.intensity = {0, 0, 0};
   lights = {bright};
-  CaseScene alone(test_device(), capture);
-  const CaseResult expected = alone.run(*GetParam());
+  FrameScene alone(test_device(), capture);
+  const FrameRun expected = run_frame(alone, GetParam()->with());
   lights.assign(SUBPIXEL_MAX_POINT_LIGHTS, dark);
   lights.back() = bright;
-  CaseScene last(test_device(), capture);
-  const CaseResult result = last.run(*GetParam());
+  FrameScene last(test_device(), capture);
+  const FrameRun result = run_frame(last, GetParam()->with());
   EXPECT_EQ(result.radiance.pixels, expected.radiance.pixels);
   EXPECT_GT(*std::max_element(result.radiance.pixels.begin(), result.radiance.pixels.end()), 0.01f);
 }
 
 TEST_P(FeaturesOf, FittedLayoutsHoldOnlyWhatTheSceneNeeds) {
-  CaseScene plain(test_device(), plain_scene());
-  CaseScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures});
-  const CaseResult fitted = plain.run(*GetParam()), full = general.run(*GetParam());
-  EXPECT_EQ(fitted.paper_bytes_per_pixel, full.paper_bytes_per_pixel) << "a publication's format is what it is";
-  EXPECT_LE(fitted.fitted_bytes_per_pixel, full.fitted_bytes_per_pixel);
+  FrameScene plain(test_device(), plain_scene());
+  FrameScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures});
+  const FrameRun fitted = run_frame(plain, GetParam()->with()), full = run_frame(general, GetParam()->with());
+  EXPECT_EQ(fitted.memory.paper_bytes_per_pixel, full.memory.paper_bytes_per_pixel)
+      << "a publication's format is what it is";
+  EXPECT_LE(fitted.memory.fitted_bytes_per_pixel, full.memory.fitted_bytes_per_pixel);
   // `forward` keeps colours, which every scene needs.
   if (GetParam()->name != "forward") {
-    EXPECT_LT(fitted.fitted_bytes_per_pixel, full.fitted_bytes_per_pixel);
+    EXPECT_LT(fitted.memory.fitted_bytes_per_pixel, full.memory.fitted_bytes_per_pixel);
   }
-  EXPECT_LE(fitted.allocated_bytes, full.allocated_bytes);
-  EXPECT_EQ(fitted.pass_names, full.pass_names);
+  EXPECT_LE(fitted.memory.allocated_bytes, full.memory.allocated_bytes);
+  EXPECT_EQ(pass_names(fitted), pass_names(full));
 }
 
 TEST_P(FeaturesOf, GeneralShadersShowTheSame) {
   for (const std::string_view name : {"cube", "quads", "spheres", "hard_alpha_foliage", "hard_shadow_albedo", "rich"}) {
     const capture::Capture capture = name == "rich" ? rich_scene(UvSource::transforms)
                                                     : capture::generate(name, {.frames = 1, .width = 48, .height = 36});
-    CaseScene specialised(test_device(), capture);
-    CaseScene general(test_device(), capture, {.forced_features = kAllFeatures});
+    FrameScene specialised(test_device(), capture);
+    FrameScene general(test_device(), capture, {.forced_features = kAllFeatures});
     ASSERT_NE(specialised.scene.features().bits, kAllFeatures) << name;
-    const CaseResult a = specialised.run(*GetParam()), b = general.run(*GetParam());
+    const FrameRun a = run_frame(specialised, GetParam()->with()), b = run_frame(general, GetParam()->with());
     EXPECT_EQ(a.executions, b.executions) << name;
     // Compilers round sums of other terms differently: a hundredth of an 8-bit step. A filter that compares neighbours
     // may then decide otherwise in a pixel.

@@ -14,14 +14,12 @@ std::uint64_t sum(const std::vector<std::uint32_t>& values) {
 
 // Without running anything.
 double paper_bytes(const capture::Capture& capture, std::string_view name, const ParameterValues& given) {
-  const Technique& technique = find_technique(name);
-  const TechniqueSetting setting = technique.with(given);
-  GpuScene scene(test_device(), capture, {});
-  Frontend frontend(test_device(), scene);
+  const TechniqueSetting setting = find_technique(name).with(given);
+  FrameScene scene(test_device(), capture, {}, {0, kWidth, kHeight});
   FrameOutputs outputs;
   double bytes = 0;
-  for (const auto& entry : technique.layout({scene, frontend, kWidth, kHeight, *setting.parameters, outputs}).paper)
-    bytes += entry.bits_per_pixel / 8;
+  const FrameSetup setup(scene.frontend_frame(setting.parameters->alpha), *setting.parameters, outputs);
+  for (const auto& entry : setting.technique->layout(setup).paper) bytes += entry.bits_per_pixel / 8;
   return bytes;
 }
 

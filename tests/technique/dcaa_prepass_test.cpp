@@ -17,10 +17,7 @@ struct Found {
 Found compare(const capture::Capture& capture, std::uint32_t width, std::uint32_t height) {
   gpu::Device& device = test_device();
   FrontendRun run(device, capture, width, height, 64);
-  const TechniqueSetting setting = find_technique("dcaa").with({{"coverage", "exact"}});
-  FrameOutputs outputs;
-  gpu::Image& image = record_depth_bound(
-      run.recorder, {run.scene, run.frontend, width, height, *setting.parameters, outputs}, {.options = DCAA_PREPASS});
+  gpu::Image& image = record_depth_bound(run.recorder, run.setup(), {.options = DCAA_PREPASS});
   run.run();
   const auto texels = texels_of<glm::uvec4>(device, image);
   Found found;

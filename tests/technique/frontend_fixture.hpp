@@ -10,12 +10,14 @@
 #include <cstdint>
 #include <cstring>
 #include <glm/glm.hpp>
+#include <optional>
 #include <random>
 #include <span>
 #include <stdexcept>
 #include <vector>
 
 #include "capture_format/capture.hpp"
+#include "replay/frame/frame_setup.hpp"
 #include "replay/frontend/visibility.hpp"
 #include "shaders/frontend/frontend_types.h"
 #include "shaders/frontend/sample_patterns.h"
@@ -209,7 +211,7 @@ struct VisibleSample {
 class FrontendRun {
  public:
   FrontendRun(gpu::Device& device, capture::Capture recorded, std::uint32_t image_width, std::uint32_t image_height,
-              std::uint32_t samples_per_pixel, SmallTriangles small = SmallTriangles::automatic)
+              std::uint32_t samples_per_pixel, std::optional<SmallTriangles> small = std::nullopt)
       : width(image_width),
         height(image_height),
         samples(samples_per_pixel),
@@ -221,7 +223,8 @@ class FrontendRun {
     scene.set_frame(0, width, height);
     frontend.prepare(samples);
     frontend.record_setup(recorder);
-    visibility = &record_visibility(recorder, setup(), small);
+    small_ = small ? *small : choose_small_triangles({frontend, width, height});
+    visibility = &record_visibility(recorder, setup());
     buffer_ = gpu::Buffer(device, "samples", std::uint64_t{width} * height * samples * sizeof(VisibleSample));
     gpu::ComputePass read;
     read.name = "read";
@@ -232,7 +235,7 @@ class FrontendRun {
     recorder.compute(std::move(read));
   }
 
-  FrameSetup setup() { return {scene, frontend, width, height, parameters_, outputs_}; }
+  FrameSetup setup() { return {{frontend, width, height, parameters_.alpha, small_}, parameters_, outputs_}; }
 
   // Runs all that is recorded and takes what set-up and visibility left.
   void run() {
@@ -285,6 +288,7 @@ class FrontendRun {
 
  private:
   CommonParameters parameters_;
+  SmallTriangles small_ = SmallTriangles::as_hulls;
   FrameOutputs outputs_;
   gpu::Buffer buffer_;
   std::vector<VisibleSample> seen_ = std::vector<VisibleSample>(std::size_t{width} * height * samples);

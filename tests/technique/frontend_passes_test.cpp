@@ -139,8 +139,8 @@ capture::Capture tied_triangles(Numbers& numbers) {
 
 // Samples of the two ways that differ in triangle or depth.
 std::uint64_t different_samples(const capture::Capture& capture, std::uint32_t width, std::uint32_t height,
-                                std::uint32_t n, SmallTriangles way) {
-  const auto samples = [&](SmallTriangles small) {
+                                std::uint32_t n, std::optional<SmallTriangles> way) {
+  const auto samples = [&](std::optional<SmallTriangles> small) {
     FrontendRun run(test_device(), capture, width, height, n, small);
     run.run();
     EXPECT_GT(run.frontend.small_count(), 1000u);
@@ -180,7 +180,7 @@ TEST(SmallLists, OfAnyLengthLeaveTheBitsOfHulls) {
     }
     triangles.push_back(t);
   }
-  EXPECT_EQ(different_samples(screen_capture(triangles, kSide, kSide), kSide, kSide, 8, SmallTriangles::automatic), 0u);
+  EXPECT_EQ(different_samples(screen_capture(triangles, kSide, kSide), kSide, kSide, 8, std::nullopt), 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Samples, SecondPass, testing::Values(1u, 4u, 8u, 16u, 64u));

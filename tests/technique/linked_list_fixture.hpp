@@ -70,20 +70,14 @@ class ListScene {
             gpu::Device& device = test_device())
       : width(image_width),
         height(image_height),
-        capture_(std::move(recorded)),
         device_(device),
-        scene_(device, capture_, {}),
-        frontend_(device, scene_) {
-    scene_.set_frame(0, width, height);
-  }
+        scene_(device, std::move(recorded), {}, {0, image_width, image_height}) {}
 
   // `given` without the pool: `dynamic_blocks` decides.
   ListRun run(const ParameterValues& given, std::uint64_t dynamic_blocks) {
     const TechniqueSetting setting = find_technique("linked_list").with(given);
-    const std::uint32_t samples = setting.parameters->samples;
-    if (frontend_.samples() != samples) frontend_.prepare(samples);
     FrameOutputs outputs;
-    const LinkedListSetup setup({scene_, frontend_, width, height, *setting.parameters, outputs});
+    const LinkedListSetup setup(prepare_frame(scene_, setting, outputs));
     const std::uint64_t bytes = linked_list_pool_bytes(setup, dynamic_blocks);
     gpu::Buffer memory(device_, "guarded blocks", bytes + 8 * kGuardWords);
     const auto words = memory.as<std::uint32_t>();
@@ -93,9 +87,7 @@ class ListScene {
     record_linked_list(recorder, setup, {&memory, 4 * kGuardWords, dynamic_blocks});
     recorder.run();
     ListRun result;
-    result.run.radiance = texels_of<glm::vec4>(device_, *outputs.radiance);
-    result.run.display = texels_of<glm::vec4>(device_, *outputs.display);
-    for (const auto& [map, image] : outputs.maps) result.run.maps[map] = texels_of<std::uint32_t>(device_, *image);
+    result.run = technique_run(download_images(device_, outputs));
     result.counters = outputs.counters;
     result.dynamic_blocks = dynamic_blocks;
     const std::size_t pool = bytes / 4;
@@ -104,23 +96,21 @@ class ListScene {
     result.pool.words.assign(words.begin() + kGuardWords,
                              words.begin() + kGuardWords + static_cast<std::ptrdiff_t>(pool));
     PoolWords& pool_words = result.pool;
-    pool_words.metal = scene_.features().has(FEATURE_METAL);
-    pool_words.shared = pool_words.metal && scene_.features().has(FEATURE_VARYING_ROUGHNESS);
-    pool_words.emission = scene_.features().has(FEATURE_EMISSIVE);
-    pool_words.roughness = static_cast<std::uint32_t>(std::nearbyint(scene_.constants().tone.y * 255));
+    pool_words.metal = scene_.scene.features().has(FEATURE_METAL);
+    pool_words.shared = pool_words.metal && scene_.scene.features().has(FEATURE_VARYING_ROUGHNESS);
+    pool_words.emission = scene_.scene.features().has(FEATURE_EMISSIVE);
+    pool_words.roughness = static_cast<std::uint32_t>(std::nearbyint(scene_.scene.constants().tone.y * 255));
     pool_words.pointers = pool_words.shared ? 5 : 4;
     pool_words.pair_words = pool_words.pointers + 2 + (pool_words.emission ? 2 : 0);
     return result;
   }
 
   const std::uint32_t width, height;
-  const capture::Capture& capture() const { return capture_; }
+  const capture::Capture& capture() const { return scene_.capture; }
 
  private:
-  const capture::Capture capture_;
   gpu::Device& device_;
-  GpuScene scene_;
-  Frontend frontend_;
+  FrameScene scene_;
 };
 
 // A visible fragment of a pixel: the samples it shows in and its G-buffer sample.

@@ -83,17 +83,13 @@ TEST(LinkedList, ErrorFallsWithThePool) {
 // Table 1, at 1920x1080 in MiB. The columns without lists follow from the same block: no pointer, roughness and
 // occlusion in a word of their own.
 TEST(LinkedList, MemoryIsThatOfThePublicationsTable) {
-  const capture::Capture capture = flat_capture(1920, 1080);
-  GpuScene scene(test_device(), capture, {});
-  scene.set_frame(0, 1920, 1080);
-  Frontend frontend(test_device(), scene);
+  FrameScene scene(test_device(), flat_capture(1920, 1080));
   FrameOutputs outputs;
   const auto mib = [&](const ParameterValues& given, bool depth) {
-    const Technique& technique = find_technique("linked_list");
-    const TechniqueSetting setting = technique.with(given);
-    const FrameSetup setup{scene, frontend, 1920, 1080, *setting.parameters, outputs};
+    const TechniqueSetting setting = find_technique("linked_list").with(given);
+    const FrameSetup setup = prepare_frame(scene, setting, outputs);
     double bits = 0;
-    for (const auto& entry : technique.layout(setup).paper)
+    for (const auto& entry : setting.technique->layout(setup).paper)
       if ((entry.name == "depth") == depth) bits += entry.bits_per_pixel;
     return std::round(bits / 8 * 1920 * 1080 / 1024 / 1024 * 100) / 100;
   };

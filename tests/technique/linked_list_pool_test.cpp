@@ -159,13 +159,10 @@ TEST(LinkedListAllocation, TheLargestFragmentsComeFirst) {
 
 TEST(LinkedListAllocation, BudgetsInEveryUnit) {
   const auto dynamic = [](const ParameterValues& given) {
-    const capture::Capture capture = flat_capture(100, 50);
-    GpuScene scene(test_device(), capture, {});
-    scene.set_frame(0, 100, 50);
-    Frontend frontend(test_device(), scene);
+    FrameScene scene(test_device(), flat_capture(100, 50));
     FrameOutputs outputs;
     const TechniqueSetting setting = find_technique("linked_list").with(given);
-    return linked_list_dynamic_blocks(LinkedListSetup({scene, frontend, 100, 50, *setting.parameters, outputs}));
+    return linked_list_dynamic_blocks(LinkedListSetup(prepare_frame(scene, setting, outputs)));
   };
   EXPECT_EQ(dynamic({}), 7u * 5000);
   EXPECT_EQ(dynamic({{"samples", 4}}), 3u * 5000);

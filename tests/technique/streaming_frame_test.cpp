@@ -39,11 +39,12 @@ WordLayout layout_of(const StreamingSetup& setup) {
 
 // All pixels that triangles' edges reach, so that no fragment is missing whose mask the technique takes from elsewhere.
 PixelStreams streams_of(const StreamingSetup& setup, const WordLayout& layout) {
+  const auto sizes = measure_fragment_lists(setup, replay::ListedMasks::later);
+  if (!sizes) throw std::logic_error("the frame is too deep for lists");
   gpu::PassRecorder recorder(setup.frontend.device());
   setup.frontend.record_setup(recorder);
-  const auto lists = record_fragment_lists(recorder, setup, "collect", replay::ListedMasks::later);
-  if (!lists) throw std::logic_error("the frame is too deep for lists");
-  gpu::Buffer& stream = recorder.buffer("stream", lists->count * sizeof(StreamTestFragment));
+  const replay::FragmentLists lists = record_fragment_lists(recorder, setup, *sizes, "collect");
+  gpu::Buffer& stream = recorder.buffer("stream", lists.count * sizeof(StreamTestFragment));
   replay::ListedPass pass;
   pass.name = "stream";
   pass.shader = "tests/streaming_fragments.comp";
@@ -51,11 +52,11 @@ PixelStreams streams_of(const StreamingSetup& setup, const WordLayout& layout) {
   pass.constants.emplace_back(STREAM_CONSTANT_OPTIONS,
                               setup.parameters.depth_space == replay::StreamingDepth::clip ? STREAM_CLIP_SPACE : 0u);
   pass.bindings = {gpu::writes(STREAM_TEST_SLOT_OF_FRAME, stream)};
-  record_listed_fragments(recorder, setup, *lists, pass);
+  record_listed_fragments(recorder, setup, lists, pass);
   recorder.run();
 
   // They stand in submission order; a pixel's keep theirs.
-  const auto fragments = stream.as<StreamTestFragment>().first(lists->count);
+  const auto fragments = stream.as<StreamTestFragment>().first(lists.count);
   std::vector<std::vector<StreamFragment>> pixels(std::size_t{setup.width} * setup.height);
   for (const StreamTestFragment& f : fragments)
     pixels.at((f.more.z >> 16) * std::size_t{setup.width} + (f.more.z & 0xffffu))
@@ -87,12 +88,9 @@ std::vector<std::uint32_t> state_of(const StreamingSetup& setup, const WordLayou
   return words;
 }
 
-class FrameScene {
+class ComparedScene {
  public:
-  explicit FrameScene(capture::Capture made)
-      : capture_(std::move(made)), scene_(device_, capture_, {}), frontend_(device_, scene_) {
-    scene_.set_frame(0, width(), height());
-  }
+  explicit ComparedScene(capture::Capture made) : scene_(replay::test_device(), std::move(made)) {}
 
   // Totals of one order of those that are compared.
   Totals expect_surfaces_of_paper(ParameterValues given, std::initializer_list<const char*> orders) {
@@ -102,10 +100,8 @@ class FrameScene {
       given["order"] = order;
       SCOPED_TRACE(nlohmann::json(given).dump());
       const replay::TechniqueSetting setting = replay::find_technique("streaming").with(given);
-      const std::uint32_t samples = setting.parameters->samples;
-      if (frontend_.samples() != samples) frontend_.prepare(samples);
       replay::FrameOutputs outputs;
-      const StreamingSetup setup({scene_, frontend_, width(), height(), *setting.parameters, outputs});
+      const StreamingSetup setup(prepare_frame(scene_, setting, outputs));
       const WordLayout layout = layout_of(setup);
       if (!streams) streams = streams_of(setup, layout);
       const std::vector<std::uint32_t> words = state_of(setup, layout);
@@ -116,13 +112,7 @@ class FrameScene {
   }
 
  private:
-  std::uint32_t width() const { return capture_.frames[0].width; }
-  std::uint32_t height() const { return capture_.frames[0].height; }
-
-  gpu::Device& device_ = replay::test_device();
-  const capture::Capture capture_;
-  replay::GpuScene scene_;
-  replay::Frontend frontend_;
+  replay::FrameScene scene_;
 };
 
 void record(const Totals& totals) {
@@ -135,7 +125,7 @@ TEST(StreamingFrames, LeaveTheSurfacesOfThePaperInEveryHardCase) {
   for (const capture::SceneInfo& info : capture::list_scenes()) {
     if (info.group != capture::SceneGroup::hard) continue;
     SCOPED_TRACE(info.name);
-    FrameScene scene(capture::generate(info.name, {1, info.width, info.height}));
+    ComparedScene scene(capture::generate(info.name, {1, info.width, info.height}));
     totals += scene.expect_surfaces_of_paper({}, {"lists", "one_pass"});
   }
   record(totals);
@@ -153,7 +143,7 @@ TEST(StreamingFrames, LeaveThemInEveryScene) {
   for (const capture::SceneInfo& info : capture::list_scenes()) {
     if (info.group != capture::SceneGroup::scene) continue;
     SCOPED_TRACE(info.name);
-    FrameScene scene(capture::generate(info.name, {1, 160, 90, 1, 0.1}));
+    ComparedScene scene(capture::generate(info.name, {1, 160, 90, 1, 0.1}));
     totals += scene.expect_surfaces_of_paper({}, {"lists", "one_pass"});
   }
   record(totals);
@@ -170,7 +160,7 @@ TEST(StreamingFrames, AgreeForEveryNumberOfSamplesAndSurfaces) {
   for (const char* name :
        {"hard_subpixel", "hard_overflow", "hard_hairs", "hard_emissive_only", "hard_roughness", "hard_alpha_foliage"}) {
     SCOPED_TRACE(name);
-    FrameScene scene(capture::generate(name, {1, 32, 24}));
+    ComparedScene scene(capture::generate(name, {1, 32, 24}));
     for (const int samples : {4, 16, 32})
       totals += scene.expect_surfaces_of_paper({{"samples", samples}, {"surfaces", kSurfaces.at(at++ % 3)}}, {"lists"});
     ++at;
@@ -185,7 +175,7 @@ TEST(StreamingFrames, AgreeWithOtherOptions) {
   Totals totals;
   const auto compare = [&](const char* name, const std::vector<ParameterValues>& settings) {
     SCOPED_TRACE(name);
-    FrameScene scene(capture::generate(name, {1, 32, 24}));
+    ComparedScene scene(capture::generate(name, {1, 32, 24}));
     for (const ParameterValues& given : settings) totals += scene.expect_surfaces_of_paper(given, {"lists"});
   };
   compare("hard_subpixel", {{{"occlusion", "depth_test"}}, {{"depth_space", "clip"}}, {{"merge_weight", "coverage"}}});

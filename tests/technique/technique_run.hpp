@@ -13,6 +13,7 @@
 
 #include "base/error.hpp"
 #include "capture_format/capture.hpp"
+#include "replay/frame/run_frame.hpp"
 #include "replay/techniques/registry.hpp"
 #include "scenes/generate/generate.hpp"
 #include "tests/technique/scene_device_fixture.hpp"
@@ -47,27 +48,30 @@ struct TechniqueRun {
   }
 };
 
+// `image` with `alpha`.
+inline std::vector<glm::vec4> with_alpha(const Image& image, const std::vector<float>& alpha) {
+  std::vector<glm::vec4> pixels;
+  for (std::size_t i = 0; i < alpha.size(); ++i)
+    pixels.emplace_back(image.pixels[3 * i], image.pixels[3 * i + 1], image.pixels[3 * i + 2], alpha[i]);
+  return pixels;
+}
+
+inline TechniqueRun technique_run(const FrameImages& images) {
+  TechniqueRun run;
+  run.radiance = with_alpha(images.radiance, images.executions);
+  run.display = with_alpha(images.display, std::vector<float>(images.executions.size(), 1));
+  run.maps = images.maps;
+  return run;
+}
+
 inline TechniqueRun run_technique(const capture::Capture& capture, std::string_view name, const ParameterValues& given,
                                   std::uint32_t width, std::uint32_t height, gpu::Device& device = test_device()) {
-  const Technique& technique = find_technique(name);
-  const TechniqueSetting setting = technique.with(given);
-  GpuScene scene(device, capture, {});
-  scene.set_frame(0, width, height);
-  Frontend frontend(device, scene);
-  frontend.prepare(setting.parameters->samples);
-  FrameOutputs outputs;
-  FrameSetup setup{scene, frontend, width, height, *setting.parameters, outputs};
-  gpu::PassRecorder recorder(device);
-  technique.record(recorder, setup);
-  recorder.run();
-  TechniqueRun run;
-  run.radiance = texels_of<glm::vec4>(device, *outputs.radiance);
-  run.display = texels_of<glm::vec4>(device, *outputs.display);
-  for (const auto& [map, image] : outputs.maps) run.maps[map] = texels_of<std::uint32_t>(device, *image);
-  run.counters = outputs.counters;
-  const MemoryLayout layout = technique.layout(setup);
-  for (const auto& entry : layout.paper) run.paper_bytes_per_pixel += entry.bits_per_pixel / 8;
-  for (const auto& entry : layout.fitted) run.fitted_bytes_per_pixel += entry.bits_per_pixel / 8;
+  FrameScene scene(device, capture, {}, {0, width, height});
+  const FrameRun frame = run_frame(scene, find_technique(name).with(given));
+  TechniqueRun run = technique_run(frame);
+  run.counters = frame.counters;
+  run.paper_bytes_per_pixel = frame.memory.paper_bytes_per_pixel;
+  run.fitted_bytes_per_pixel = frame.memory.fitted_bytes_per_pixel;
   return run;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "replay/frame/run_frame.hpp"
 #include "replay/gpu/litmus.hpp"
 #include "replay/reference/reference.hpp"
 #include "replay/techniques/registry.hpp"
@@ -59,20 +60,6 @@ capture::Capture two_frames(capture::Capture capture) {
   return capture;
 }
 
-void run(gpu::Device& device, GpuScene& scene, const Technique& technique, const ParameterValues& given) {
-  const TechniqueSetting setting = technique.with(given);
-  Frontend frontend(device, scene);
-  frontend.prepare(setting.parameters->samples);
-  FrameOutputs outputs;
-  const FrameSetup setup{scene, frontend, kWidth, kHeight, *setting.parameters, outputs};
-  gpu::PassRecorder recorder(device);
-  technique.record(recorder, setup);
-  recorder.run();
-  recorder.run();  // warm: what the first run left is used again
-  gpu::download(device, *outputs.display);
-  for (const auto& map : outputs.maps) gpu::download(device, *map.second);
-}
-
 TEST_F(Validation, EveryTechniqueAndTheReference) {
   // Alpha test, emission and the sun; the second scene has everything else as well.
   const capture::Capture capture = capture::generate("quads", {2, kWidth, kHeight, 1, 1});
@@ -84,26 +71,26 @@ TEST_F(Validation, EveryTechniqueAndTheReference) {
     gpu::require_ordered_access(device);
     expect_silence("litmus");
     const capture::Capture inputs = two_frames(rich_scene(UvSource::mixed));
-    GpuScene plain(device, capture, {std::nullopt, 256, 0}), rich(device, inputs, {4, 256, kAllFeatures});
+    FrameScene plain(device, capture, {std::nullopt, 256, 0}, {0, kWidth, kHeight}),
+        rich(device, inputs, {4, 256, kAllFeatures}, {0, kWidth, kHeight});
     std::uint32_t frame = 0;
-    for (GpuScene* scene : {&plain, &rich}) scene->set_frame(frame, kWidth, kHeight);
     expect_silence("scene");
     for (const Technique* technique : techniques()) {
       std::size_t k = 0;
       for (const ParameterValues& given : runs_of(*technique)) {
-        GpuScene& scene = k++ % 2 == 0 ? rich : plain;
-        scene.set_frame(frame++ % 2, kWidth, kHeight);
-        run(device, scene, *technique, given);
+        FrameScene& scene = k++ % 2 == 0 ? rich : plain;
+        scene.set_frame({frame++ % 2, kWidth, kHeight});
+        run_frame(scene, technique->with(given), 1);  // once more: what the first run left is used again
         expect_silence(std::string(technique->name) + " " + nlohmann::json(given).dump());
       }
     }
-    for (GpuScene* scene : {&plain, &rich})
+    for (FrameScene* scene : {&plain, &rich})
       for (const bool tone_map : {false, true}) {
         ReferenceOptions options;
         options.samples = 8;
         options.shading_model = tone_map ? 1 : 0;
         options.tone_map_samples = tone_map;
-        render_reference(device, *scene, options);
+        render_reference(device, scene->scene, options);
         expect_silence("reference");
       }
   });

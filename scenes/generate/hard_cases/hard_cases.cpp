@@ -77,4 +77,8 @@ std::span<const HardCase> hard_cases() {
   return kCases;
 }
 
+Capture make_case(const HardCase& hard) {
+  return hard.make({.frames = 1, .width = hard.width, .height = hard.height});
+}
+
 }  // namespace subpixel::capture

@@ -20,6 +20,8 @@ struct HardCase {
 
 // In the order they are listed to users.
 std::span<const HardCase> hard_cases();
+// One frame of it at its own size.
+Capture make_case(const HardCase& hard);
 
 // Edges and coverage.
 Capture hard_slivers(const GenerateOptions& options);

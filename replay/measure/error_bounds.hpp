@@ -1,8 +1,9 @@
-// The written-down error bounds of bounds.json: for every case the largest MSE of a technique that resolves it, and for
-// each technique that does worse a bound of its own with the reason.
+// The written-down error bounds of the hard cases (tests/hard_cases/bounds.json): for every case the largest MSE of a
+// technique that resolves it, and for each technique that does worse a bound of its own with the reason.
 #pragma once
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -18,9 +19,10 @@ struct ErrorBound {
 
 class ErrorBounds {
  public:
-  ErrorBounds() {
-    std::ifstream file(SUBPIXEL_SOURCE_DIR "/tests/hard_cases/bounds.json");
-    table_ = nlohmann::json::parse(file);
+  // Reads the table. Throws nlohmann::json::exception for one that is not there or damaged.
+  explicit ErrorBounds(const std::filesystem::path& file) {
+    std::ifstream text(file);
+    table_ = nlohmann::json::parse(text);
   }
 
   bool has(std::string_view hard) const { return table_.at("cases").contains(hard); }

@@ -1,0 +1,38 @@
+#include "replay/frame/frame_scene.hpp"
+
+#include "replay/frontend/visibility.hpp"
+
+namespace subpixel::replay {
+
+FrameScene::FrameScene(gpu::Device& device, capture::Capture made, const SceneOptions& options,
+                       const FrameChoice& choice)
+    : capture(std::move(made)), scene(device, capture, options), frontend(device, scene) {
+  set_frame(choice);
+}
+
+void FrameScene::set_frame(const FrameChoice& choice) {
+  const capture::Frame& recorded = capture.frames.at(choice.frame);
+  frame_ = choice.frame;
+  width_ = choice.width == 0 ? recorded.width : choice.width;
+  height_ = choice.height == 0 ? recorded.height : choice.height;
+  scene.set_frame(frame_, width_, height_);
+  prepared_samples_ = 0;
+  fragments_.clear();
+}
+
+void FrameScene::prepare(std::uint32_t samples) {
+  if (prepared_samples_ == samples) return;
+  frontend.prepare(samples);
+  small_ = choose_small_triangles({frontend, width_, height_});
+  prepared_samples_ = samples;
+}
+
+std::uint64_t FrameScene::count_fragments(bool visible, AlphaDecision alpha) {
+  // Which triangles are visible depends on how alpha decides.
+  const auto [found, is_new] =
+      fragments_.try_emplace({prepared_samples_, visible, visible ? alpha : AlphaDecision::to_coverage}, 0);
+  if (is_new) found->second = frontend.count_fragments(visible, width_, height_);
+  return found->second;
+}
+
+}  // namespace subpixel::replay

@@ -1,0 +1,50 @@
+// A capture on the device with one frame current, for any number of techniques to be run on.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <tuple>
+
+#include "capture_format/capture.hpp"
+#include "replay/frontend/frontend_frame.hpp"
+#include "replay/scene/gpu_scene.hpp"
+
+namespace subpixel::replay {
+
+struct FrameChoice {
+  std::uint32_t frame = 0;
+  std::uint32_t width = 0, height = 0;  // pixels; 0: as the frame was recorded
+};
+
+class FrameScene {
+ public:
+  // Throws what GpuScene throws.
+  explicit FrameScene(gpu::Device& device, capture::Capture made, const SceneOptions& options = {},
+                      const FrameChoice& choice = {});
+
+  // Makes another frame current, or the same at another size.
+  void set_frame(const FrameChoice& choice);
+
+  // Sizes the front-end for the current frame at `samples` a pixel, by runs on the spot; nothing when it is sized so.
+  void prepare(std::uint32_t samples);
+  // The current frame as it is prepared.
+  FrontendFrame frontend_frame(AlphaDecision alpha) { return {frontend, width_, height_, alpha, small_}; }
+  // Frontend::count_fragments() of what is prepared, by a run on the spot the first time.
+  std::uint64_t count_fragments(bool visible, AlphaDecision alpha);
+
+  const capture::Capture capture;  // the scene refers to it
+  GpuScene scene;
+  Frontend frontend;
+  std::uint32_t frame() const { return frame_; }
+  std::uint32_t width() const { return width_; }
+  std::uint32_t height() const { return height_; }
+
+ private:
+  std::uint32_t frame_ = 0, width_ = 0, height_ = 0;
+  std::uint32_t prepared_samples_ = 0;  // 0: the front-end is not prepared for this frame
+  SmallTriangles small_ = SmallTriangles::as_hulls;
+  // By samples, whether of visible triangles alone, and then the alpha decision.
+  std::map<std::tuple<std::uint32_t, bool, AlphaDecision>, std::uint64_t> fragments_;
+};
+
+}  // namespace subpixel::replay

@@ -1,0 +1,130 @@
+#include "replay/frame/run_frame.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace subpixel::replay {
+namespace {
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+template <typename T>
+std::vector<T> texels_of(gpu::Device& device, gpu::Image& image) {
+  const auto bytes = gpu::download(device, image);
+  std::vector<T> texels(bytes.size() / sizeof(T));
+  std::memcpy(texels.data(), bytes.data(), bytes.size());
+  return texels;
+}
+
+// rgb of an RGBA32F image, and its alpha.
+Image colour_of(gpu::Device& device, gpu::Image& image, Encoding encoding, std::vector<float>* alpha) {
+  const std::vector<float> texels = texels_of<float>(device, image);
+  Image colour(image.description().width, image.description().height, 3, encoding);
+  if (alpha) alpha->resize(texels.size() / 4);
+  for (std::size_t i = 0; i < texels.size() / 4; ++i) {
+    std::copy_n(&texels[4 * i], 3, &colour.pixels[3 * i]);
+    if (alpha) (*alpha)[i] = texels[4 * i + 3];
+  }
+  return colour;
+}
+
+}  // namespace
+
+FrameSetup prepare_frame(FrameScene& scene, const TechniqueSetting& setting, FrameOutputs& outputs) {
+  const CommonParameters& parameters = *setting.parameters;
+  scene.prepare(parameters.samples);
+  FrameSetup setup(scene.frontend_frame(parameters.alpha), parameters, outputs);
+  const auto* const ordered = dynamic_cast<const OrderedParameters*>(&parameters);
+  if (setting.technique->lists && ordered && ordered->order == FragmentOrder::lists)
+    setup.lists = measure_fragment_lists(setup, *setting.technique->lists);
+  if (setup.lists) outputs.counters["listed_fragments"] = setup.lists->count;
+  return setup;
+}
+
+FrameImages download_images(gpu::Device& device, const FrameOutputs& outputs) {
+  FrameImages images;
+  images.radiance = colour_of(device, *outputs.radiance, Encoding::linear, &images.executions);
+  images.display = colour_of(device, *outputs.display, Encoding::display, nullptr);
+  for (const auto& [name, image] : outputs.maps) images.maps[name] = texels_of<std::uint32_t>(device, *image);
+  return images;
+}
+
+RecordedFrame::RecordedFrame(FrameScene& scene, const TechniqueSetting& setting)
+    : scene_(scene),
+      setting_(setting),
+      setup_(prepare_frame(scene, setting_, outputs_)),
+      recorder_(scene.frontend.device()) {
+  setting_.technique->record(recorder_, setup_);
+}
+
+double RecordedFrame::run() {
+  recorder_.run();
+  double ms = 0;
+  for (const auto& timing : recorder_.timings()) ms += timing.ms.back();
+  return ms;
+}
+
+Timing RecordedFrame::time(std::uint32_t repeat) {
+  Timing result;
+  result.cold_ms = run();
+  if (repeat > 0) recorder_.clear_timings();
+  for (std::uint32_t i = 0; i < repeat; ++i) recorder_.run();
+  std::vector<double> totals(std::max(repeat, 1u), 0.0);
+  for (const auto& timing : recorder_.timings()) {
+    result.passes.push_back({timing.name, median(timing.ms)});
+    result.total_ms += result.passes.back().median_ms;
+    for (std::size_t i = 0; i < totals.size(); ++i) totals[i] += timing.ms[i];
+  }
+  const auto [least, most] = std::minmax_element(totals.begin(), totals.end());
+  result.spread_ms = *most - *least;
+  return result;
+}
+
+Memory RecordedFrame::memory() const {
+  Memory memory;
+  const MemoryLayout layout = setting_.technique->layout(setup_);
+  const double pixels = static_cast<double>(scene_.width()) * scene_.height();
+  for (const auto& entry : layout.paper) memory.paper_bytes_per_pixel += entry.bits_per_pixel / 8;
+  for (const auto& entry : layout.fitted) memory.fitted_bytes_per_pixel += entry.bits_per_pixel / 8;
+  memory.paper_bytes = static_cast<std::uint64_t>(memory.paper_bytes_per_pixel * pixels);
+  memory.fitted_bytes = static_cast<std::uint64_t>(memory.fitted_bytes_per_pixel * pixels);
+  memory.allocated_bytes = recorder_.allocated_bytes();
+  return memory;
+}
+
+std::map<std::string, std::uint64_t> RecordedFrame::counters() const {
+  std::map<std::string, std::uint64_t> counters = outputs_.counters;
+  counters["triangles"] = scene_.scene.triangle_count();
+  counters["screen_triangles"] = scene_.frontend.hull_count();
+  counters["clipped_triangles"] = scene_.frontend.clipped_count();
+  counters["frontend_bytes"] = scene_.frontend.allocated_bytes();
+  return counters;
+}
+
+std::map<std::string, std::uint64_t> RecordedFrame::count_fragments() {
+  std::map<std::string, std::uint64_t> fragments;
+  for (const auto& timing : recorder_.timings()) {
+    std::uint64_t count = timing.screen_pixels;
+    if (timing.times_all > 0) count += timing.times_all * scene_.count_fragments(false, setup_.alpha);
+    if (timing.times_visible > 0) count += timing.times_visible * scene_.count_fragments(true, setup_.alpha);
+    if (count > 0) fragments[timing.name] = count;
+  }
+  return fragments;
+}
+
+FrameRun run_frame(FrameScene& scene, const TechniqueSetting& setting, std::uint32_t repeat) {
+  RecordedFrame recorded(scene, setting);
+  FrameRun run;
+  run.samples = setting.parameters->samples;
+  run.ms = recorded.time(repeat);
+  run.memory = recorded.memory();
+  run.counters = recorded.counters();
+  static_cast<FrameImages&>(run) = recorded.images();
+  return run;
+}
+
+}  // namespace subpixel::replay

@@ -1,0 +1,64 @@
+// One frame by one technique, measured: how the replay, tests and benchmarks run techniques.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "replay/frame/frame_scene.hpp"
+#include "replay/frame/technique.hpp"
+#include "replay/measure/image.hpp"
+#include "replay/results/results.hpp"
+
+namespace subpixel::replay {
+
+// Prepares the front-end and counts the lists that the technique's passes go through: all that runs on the device
+// before passes are recorded. `setting` and `outputs` have to outlive the result.
+FrameSetup prepare_frame(FrameScene& scene, const TechniqueSetting& setting, FrameOutputs& outputs);
+
+struct FrameImages {
+  Image radiance, display;                                 // three channels: linear radiance, display values
+  std::vector<float> executions;                           // lighting executions of each pixel
+  std::map<std::string, std::vector<std::uint32_t>> maps;  // the technique's own, by name
+};
+FrameImages download_images(gpu::Device& device, const FrameOutputs& outputs);
+
+// The passes of a technique for the scene's current frame, to be run any number of times. The scene may not change
+// meanwhile.
+class RecordedFrame {
+ public:
+  RecordedFrame(FrameScene& scene, const TechniqueSetting& setting);
+
+  // Runs all passes once; returns their ms.
+  double run();
+  // Runs them for the first time, then `repeat` times that count; the passes of a `repeat` of 0 have the first run's
+  // times.
+  Timing time(std::uint32_t repeat);
+
+  // Of what the last run left.
+  Memory memory() const;
+  std::map<std::string, std::uint64_t> counters() const;
+  FrameImages images() { return download_images(recorder_.device(), outputs_); }
+
+  // What Shading::fragments says of every pass; counted on the spot.
+  std::map<std::string, std::uint64_t> count_fragments();
+
+ private:
+  FrameScene& scene_;
+  TechniqueSetting setting_;
+  FrameOutputs outputs_;
+  FrameSetup setup_;
+  gpu::PassRecorder recorder_;
+};
+
+// All of it.
+struct FrameRun : FrameImages {
+  std::uint32_t samples = 0;  // visibility samples per pixel
+  Timing ms;
+  Memory memory;
+  std::map<std::string, std::uint64_t> counters;
+};
+FrameRun run_frame(FrameScene& scene, const TechniqueSetting& setting, std::uint32_t repeat = 0);
+
+}  // namespace subpixel::replay
