@@ -3,44 +3,53 @@
 #include <xxhash.h>
 
 #include <cstdio>
-#include <memory>
+#include <new>
 #include <vector>
 
 #include "base/error.hpp"
 
 namespace subpixel {
-namespace {
 
-std::string hex(XXH128_hash_t hash) {
-  XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, hash);
+std::string ContentHash::hex() const {
   std::string text;
-  for (const unsigned char byte : canonical.digest) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
+  for (const std::uint64_t half : {high, low}) {
+    for (int shift = 60; shift >= 0; shift -= 4) text += "0123456789abcdef"[half >> shift & 15];
   }
   return text;
 }
 
-}  // namespace
+void ContentHasher::Free::operator()(XXH3_state_s* state) const {
+  XXH3_freeState(state);
+}
+
+ContentHasher::ContentHasher() : state_(XXH3_createState()) {
+  if (!state_) throw std::bad_alloc();
+  XXH3_128bits_reset(state_.get());
+}
+
+void ContentHasher::add(std::span<const std::byte> bytes) {
+  XXH3_128bits_update(state_.get(), bytes.data(), bytes.size());
+}
+
+ContentHash ContentHasher::hash() const {
+  const XXH128_hash_t hash = XXH3_128bits_digest(state_.get());
+  return {hash.high64, hash.low64};
+}
 
 std::string content_hash_hex(std::span<const std::byte> bytes) {
-  return hex(XXH3_128bits(bytes.data(), bytes.size()));
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return ContentHash{hash.high64, hash.low64}.hex();
 }
 
 std::string content_hash_hex(const std::filesystem::path& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), &XXH3_freeState);
   if (!file) throw InputError("can't hash the file", "it can't be opened", path.string());
-  XXH3_128bits_reset(state.get());
-  std::vector<char> block(std::size_t{1} << 20);
+  ContentHasher hasher;
+  std::vector<std::byte> block(std::size_t{1} << 20);
   std::size_t got = 0;
-  while ((got = std::fread(block.data(), 1, block.size(), file.get())) > 0) {
-    XXH3_128bits_update(state.get(), block.data(), got);
-  }
+  while ((got = std::fread(block.data(), 1, block.size(), file.get())) > 0) hasher.add(std::span(block).first(got));
   if (std::ferror(file.get()) != 0) throw InputError("can't hash the file", "it can't be read", path.string());
-  return hex(XXH3_128bits_digest(state.get()));
+  return hasher.hash().hex();
 }
 
 }  // namespace subpixel

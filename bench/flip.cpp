@@ -9,6 +9,7 @@
 
 #include "replay/measure/flip.hpp"
 #include "replay/measure/image_file.hpp"
+#include "replay/measure/percentiles.hpp"
 #include "replay/replay.hpp"
 
 namespace subpixel::replay {
@@ -21,8 +22,7 @@ double median_ms(const std::function<void()>& work) {
     work();
     ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count());
   }
-  std::ranges::sort(ms);
-  return ms[ms.size() / 2];
+  return median(std::move(ms));
 }
 
 int run(const std::filesystem::path& capture) {

@@ -9,15 +9,11 @@
 
 #include "capture_format/reader.hpp"
 #include "replay/frontend/visibility.hpp"
+#include "replay/measure/percentiles.hpp"
 #include "scenes/generate/generate.hpp"
 
 namespace subpixel::replay {
 namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 struct Cost {
   double wall_ms = 0, cpu_ms = 0;

@@ -13,6 +13,7 @@
 #include "replay/frame/run_frame.hpp"
 #include "replay/measure/error_bounds.hpp"
 #include "replay/measure/metrics.hpp"
+#include "replay/measure/percentiles.hpp"
 #include "replay/reference/reference_cache.hpp"
 #include "replay/techniques/registry.hpp"
 #include "scenes/generate/generate.hpp"
@@ -54,11 +55,6 @@ void print_cases() {
     std::fflush(stdout);
   }
   fmt::print("\n| case | technique | MSE over msaa's | why |\n| --- | --- | --- | --- |\n{}", breaks);
-}
-
-double median(std::vector<double> values) {
-  std::ranges::nth_element(values, values.begin() + values.size() / 2);
-  return values[values.size() / 2];
 }
 
 // "12.3 | 40%": the general form's, and how much less the fitted one has.

@@ -58,7 +58,7 @@ int generate(const GenerateArguments& arguments) {
   options.width = scene.width;
   options.height = scene.height;
   if (!arguments.size.empty()) {
-    const auto [width, height] = parse_size(arguments.size);
+    const auto [width, height] = replay::parse_size(arguments.size, "--size");
     options.width = width;
     options.height = height;
   }

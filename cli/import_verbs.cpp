@@ -26,7 +26,7 @@ struct ImportArguments {
 };
 
 int import(const ImportArguments& arguments) {
-  if (!arguments.size.empty()) parse_size(arguments.size);
+  if (!arguments.size.empty()) replay::parse_size(arguments.size, "--size");
   std::vector<std::string> options;
   const auto add = [&](const char* name, const std::string& value) {
     options.push_back(fmt::format("{}={}", name, value));
@@ -48,7 +48,7 @@ int work(const ImportArguments& arguments) {
   options.camera = arguments.camera;
   options.frames = arguments.frames;
   if (!arguments.size.empty()) {
-    const auto [width, height] = parse_size(arguments.size);
+    const auto [width, height] = replay::parse_size(arguments.size, "--size");
     options.width = width;
     options.height = height;
   }

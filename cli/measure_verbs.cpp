@@ -137,9 +137,8 @@ int compare(const CompareOptions& options) {
       replay::compare_images(reference, test, {.pixels_per_degree = options.pixels_per_degree});
   if (!options.error_map.empty()) {
     const replay::Image& map = found.hdr_flip ? found.hdr_flip->error.map : found.flip.map;
-    write_file_atomically(
-        options.error_map,
-        replay::encode_png(replay::colour_values(map, 1, replay::ColourMap::magma, "FLIP", "").image));
+    write_file_atomically(options.error_map,
+                          replay::encode_png(replay::colour_values(map, 1, replay::ColourMap::magma)));
   }
   std::cout << (options.as_json ? json_text(to_json(options, reference, test, found), 1) + "\n"
                                 : to_text(options, reference, test, found));

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 
 #include "base/error.hpp"
+#include "base/numbers.hpp"
 
 namespace subpixel::cli {
 namespace {
@@ -14,11 +14,9 @@ namespace {
 // `expected` is said of a `text` whose `digits` are none.
 std::uint32_t parse_frame(std::string_view digits, const std::string& text, std::string_view expected,
                           const char* where) {
-  std::uint32_t frame = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), frame);
-  if (error != std::errc{} || end != digits.data() + digits.size())
-    throw UsageError("frames", fmt::format("'{}' is {}", text, expected), where);
-  return frame;
+  const auto frame = parse_number<std::uint32_t>(digits);
+  if (!frame) throw UsageError("frames", fmt::format("'{}' is {}", text, expected), where);
+  return *frame;
 }
 
 }  // namespace
@@ -33,14 +31,6 @@ CLI::Validator within(const replay::Limit& limit) {
     return "";
   };
   return CLI::Validator(check, limit.expected());
-}
-
-std::pair<std::uint32_t, std::uint32_t> parse_size(const std::string& text) {
-  const std::string_view view = text;
-  const std::size_t x = view.find('x');
-  if (x == std::string_view::npos) throw UsageError("size", fmt::format("'{}' is not WIDTHxHEIGHT", text), "--size");
-  const std::string where = "--size " + text;
-  return {replay::kWidthLimit.parse(view.substr(0, x), where), replay::kHeightLimit.parse(view.substr(x + 1), where)};
 }
 
 std::pair<std::uint32_t, std::uint32_t> parse_frames(const std::string& text) {

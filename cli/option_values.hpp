@@ -13,9 +13,6 @@ namespace subpixel::cli {
 // For CLI::Option::transform: a whole number in decimal digits that `limit` holds.
 CLI::Validator within(const replay::Limit& limit);
 
-// "1280x720", both in pixels and within the table's limits. Throws UsageError.
-std::pair<std::uint32_t, std::uint32_t> parse_size(const std::string& text);
-
 // "0-9" or, for one frame, "3". Throws UsageError; whether the capture has them is for who reads it.
 std::pair<std::uint32_t, std::uint32_t> parse_frames(const std::string& text);
 

@@ -60,7 +60,7 @@ void replay_and_write(const ReplayFlags& flags, const ReplayInspection& inspecti
   job.options.techniques = parse_technique_list(flags.techniques);
   job.options.samples = flags.samples;
   if (!flags.frames.empty()) job.options.frames = parse_frames(flags.frames);
-  if (!flags.size.empty()) std::tie(job.options.width, job.options.height) = parse_size(flags.size);
+  if (!flags.size.empty()) std::tie(job.options.width, job.options.height) = replay::parse_size(flags.size, "--size");
   job.options.repeat = flags.repeat;
   job.options.reference_samples = flags.reference_samples;
   job.options.point_lights = flags.point_lights;

@@ -7,7 +7,6 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,6 +14,7 @@
 #include <thread>
 
 #include "base/error.hpp"
+#include "base/numbers.hpp"
 #include "base/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/submission.hpp"
@@ -36,9 +36,7 @@ std::pair<std::string, int> parse_address(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   int port = -1;
   if (colon != std::string::npos) {
-    const char* const end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, port);
-    if (error != std::errc() || stop != end) port = -1;
+    port = parse_number<int>(std::string_view(text).substr(colon + 1)).value_or(-1);
   }
   if (port < 0 || port > 65535 || colon == 0) {
     throw UsageError("can't listen", "expected HOST:PORT with a port from 0 to 65535, got " + text, "--listen");

@@ -43,7 +43,7 @@ json run_request(const Submission& submission) {
     body["frames"] = {first, last};
   }
   if (!submission.size.empty()) {
-    const auto [width, height] = parse_size(submission.size);
+    const auto [width, height] = replay::parse_size(submission.size, "--size");
     body["width"] = width;
     body["height"] = height;
   }

@@ -275,15 +275,13 @@ void Replay::measure(FrameResult& result, FrameImages images, std::size_t which,
   write_file_atomically(job_.out_dir / (stem + ".exr"), encode_exr(images.radiance));
   now("measure");
   result.images["hdr"] = stem + ".exr";
-  result.images["shading"] =
-      write_png(stem + "_shading.png",
-                colour_counts(width_, height_, counts, result.samples, "Lighting executions", "per pixel").image);
+  result.images["shading"] = write_png(stem + "_shading.png", colour_counts(width_, height_, counts, result.samples));
   for (const auto& [name, values] : images.maps) {
     for (const MapDescription& map : planned_[which].technique->maps) {
       if (map.name != name) continue;
       const auto maximum = map.maximum > 0 ? static_cast<std::uint32_t>(map.maximum) : result.samples;
-      result.images[name] = write_png(fmt::format("{}_{}.png", stem, name),
-                                      colour_counts(width_, height_, values, maximum, map.title, map.unit).image);
+      result.images[name] =
+          write_png(fmt::format("{}_{}.png", stem, name), colour_counts(width_, height_, values, maximum));
       std::uint64_t total = 0;
       for (const std::uint32_t value : values) total += value;
       result.counters[name] = total;
@@ -305,7 +303,7 @@ void Replay::measure(FrameResult& result, FrameImages images, std::size_t which,
   if (frame_before_ && *frame_before_ + 1 == result.frame && before_[which].width != 0 &&
       truth_before != references_before_.end())
     result.error.flicker = flicker(truth_before->second.image.display, truth.display, before_[which], images.display);
-  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(truth.display, images.display)).image);
+  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(truth.display, images.display)));
   before_[which] = std::move(images.display);
 }
 

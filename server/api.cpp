@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
+#include "base/numbers.hpp"
+#include "replay/measure/maps.hpp"
 #include "replay/results/limits.hpp"
 #include "replay/techniques/registry.hpp"
 #include "server/http_error.hpp"
@@ -25,31 +26,25 @@ bool is_reading(const httplib::Request& request) {
 std::int64_t query_number(const httplib::Request& request, const std::string& name, std::int64_t minimum,
                           std::int64_t maximum, std::int64_t absent) {
   if (!request.has_param(name)) return absent;
-  const std::string text = request.get_param_value(name);
-  std::int64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || number < minimum || number > maximum) {
+  const auto number = parse_number<std::int64_t>(request.get_param_value(name));
+  if (!number || *number < minimum || *number > maximum) {
     throw HttpError(400, "the query is wrong", fmt::format("expected a whole number from {} to {}", minimum, maximum),
                     name);
   }
-  return number;
+  return *number;
 }
 
 std::int64_t parse_id(const std::string& text) {
-  std::int64_t id = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-  return error == std::errc() && end == text.data() + text.size() ? id : -1;
+  return parse_number<std::int64_t>(text).value_or(-1);
 }
 
 std::uint64_t content_length(const httplib::Request& request) {
   if (!request.has_header("Content-Length")) return 0;  // RFC 9112, section 6.3: no length, no body
-  const std::string text = request.get_header_value("Content-Length");
-  std::uint64_t length = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) {
+  const auto length = parse_number<std::uint64_t>(request.get_header_value("Content-Length"));
+  if (!length) {
     throw HttpError(400, "the request is malformed", "Content-Length is no number", "header Content-Length");
   }
-  return length;
+  return *length;
 }
 
 std::string read_json_body(const httplib::Request& request, const httplib::ContentReader& read,
@@ -127,6 +122,9 @@ void Api::route(HttpServer& http) {
   });
   http.Get("/api/limits", [](const Request&, Response& response) {
     write_json(response, 200, {{"limits", replay::limits_json()}});
+  });
+  http.Get("/api/palettes", [](const Request&, Response& response) {
+    write_json(response, 200, {{"palettes", replay::palettes_json()}});
   });
   route_captures(http);
   route_runs(http);

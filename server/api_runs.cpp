@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <span>
 
+#include "base/numbers.hpp"
 #include "replay/results/advisor.hpp"
 #include "replay/results/plots.hpp"
 #include "server/api.hpp"
@@ -55,10 +55,8 @@ std::size_t query_choice(const httplib::Request& request, const std::string& nam
 
 std::optional<double> query_amount(const httplib::Request& request, const std::string& name) {
   if (!request.has_param(name)) return std::nullopt;
-  const std::string text = request.get_param_value(name);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0) || !std::isfinite(value)) {
+  const auto value = parse_number<double>(request.get_param_value(name));
+  if (!value || !(*value >= 0) || !std::isfinite(*value)) {
     throw HttpError(400, "the query is wrong", "expected a number of 0 or more", name);
   }
   return value;

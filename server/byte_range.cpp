@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 
+#include "base/numbers.hpp"
 #include "server/http_error.hpp"
 
 namespace subpixel::server {
@@ -16,13 +16,6 @@ struct Wanted {
   std::optional<std::uint64_t> first, last;
 };
 
-std::optional<std::uint64_t> parse_position(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 // A single range of bytes; nothing for what is to be ignored.
 std::optional<Wanted> parse_range(std::string_view text) {
   constexpr std::string_view kUnit = "bytes=";
@@ -31,7 +24,7 @@ std::optional<Wanted> parse_range(std::string_view text) {
   const std::size_t dash = text.find('-');
   if (dash == std::string_view::npos) return std::nullopt;
   const std::string_view before = text.substr(0, dash), after = text.substr(dash + 1);
-  const Wanted wanted{parse_position(before), parse_position(after)};
+  const Wanted wanted{parse_number<std::uint64_t>(before), parse_number<std::uint64_t>(after)};
   if ((!before.empty() && !wanted.first) || (!after.empty() && !wanted.last)) return std::nullopt;
   if (!wanted.first && !wanted.last) return std::nullopt;
   if (wanted.first && wanted.last && *wanted.first > *wanted.last) return std::nullopt;

@@ -16,6 +16,8 @@
 #include <optional>
 #include <string_view>
 
+#include "base/numbers.hpp"
+
 namespace subpixel::server {
 namespace {
 
@@ -207,11 +209,7 @@ std::optional<std::uint64_t> declared_length(const httplib::Request& request) {
   if (request.has_header("Transfer-Encoding")) return std::nullopt;
   const std::size_t lengths = request.get_header_value_count("Content-Length");
   if (lengths != 1) return lengths == 0 ? std::optional<std::uint64_t>(0) : std::nullopt;
-  const std::string text = request.get_header_value("Content-Length");
-  std::uint64_t length = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return length;
+  return parse_number<std::uint64_t>(request.get_header_value("Content-Length"));
 }
 
 // A target that is a whole address (RFC 9112, section 3.2.2) becomes its path, and its authority the Host, whatever

@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/json_document.hpp"
 #include "base/json_fields.hpp"
+#include "base/printable.hpp"
 #include "replay/results/limits.hpp"
 #include "replay/techniques/complete_technique.hpp"
 #include "replay/techniques/registry.hpp"

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <unistd.h>
-#include <xxhash.h>
 
 #include <cerrno>
 #include <cstring>
@@ -37,16 +36,11 @@ bool same_bytes(const std::filesystem::path& a, const std::filesystem::path& b) 
 
 }  // namespace
 
-struct Upload::Hash {
-  std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state{XXH3_createState(), &XXH3_freeState};
-};
-
-Upload::Upload(const DataFolder& folder) : folder_(folder), hash_(std::make_unique<Hash>()) {
+Upload::Upload(const DataFolder& folder) : folder_(folder) {
   std::string name = (folder.uploads() / "upload-XXXXXX").string();
   file_ = ::mkostemp(name.data(), O_CLOEXEC);
   if (file_ < 0) fail(errno);
   path_ = name;
-  XXH3_128bits_reset(hash_->state.get());
 }
 
 Upload::~Upload() {
@@ -55,7 +49,7 @@ Upload::~Upload() {
 }
 
 void Upload::append(std::string_view bytes) {
-  XXH3_128bits_update(hash_->state.get(), bytes.data(), bytes.size());
+  hasher_.add(std::as_bytes(std::span(bytes)));
   size_bytes_ += bytes.size();
   while (!bytes.empty()) {
     const ssize_t written = ::write(file_, bytes.data(), bytes.size());
@@ -71,15 +65,7 @@ std::string Upload::finish() {
   const int closed = ::close(file_);
   file_ = -1;
   if (closed != 0) fail(errno);
-  XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash_->state.get()));
-  std::string hex;
-  for (const unsigned char byte : canonical.digest) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    hex += kDigits[byte >> 4];
-    hex += kDigits[byte & 15];
-  }
-  return hex;
+  return hasher_.hash().hex();
 }
 
 Upload::Kept Upload::keep(const std::string& hash) {

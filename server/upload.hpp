@@ -4,10 +4,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 
+#include "base/hash.hpp"
 #include "server/store/data_folder.hpp"
 
 namespace subpixel::server {
@@ -33,12 +33,11 @@ class Upload {
   Kept keep(const std::string& hash);
 
  private:
-  struct Hash;
   const DataFolder& folder_;
   std::filesystem::path path_;
   int file_ = -1;
   std::uint64_t size_bytes_ = 0;
-  std::unique_ptr<Hash> hash_;
+  ContentHasher hasher_;
 };
 
 }  // namespace subpixel::server

@@ -52,6 +52,14 @@ export async function limits() {
   return limitTable;
 }
 
+let palettes = null;
+/** Fetches the colour maps, once. */
+export async function loadPalettes() {
+  palettes ??= (await get('/api/palettes')).palettes;
+}
+/** Evenly spaced colours of a map ("#rrggbb"), linear between them; loadPalettes() comes before. */
+export const palette = (map) => palettes[map];
+
 export const blobUrl = (hash) => `/api/blobs/${hash}`;
 
 /**

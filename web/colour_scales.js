@@ -1,20 +1,13 @@
-// The colours of maps and their legends. The same control points as replay/measure/maps.cpp: the maps magma and viridis by
-// Smith and van der Walt (matplotlib, CC0), eighteen evenly spaced colours, linear between them.
+// The legends of maps and their colours, which are the service's.
+import {palette} from './api.js';
 import {h} from './dom.js';
 import {significant} from './format.js';
 
-const points = {
-  magma: ['000004', '090720', '1a1042', '311165', '4a1079', '621980', '792282', '912b81', 'aa337d', 'c23b75', 'd9466b',
-    'ec5860', 'f7725c', 'fc8e64', 'feaa74', 'fec68a', 'fde2a3', 'fcfdbf'],
-  viridis: ['440154', '481769', '472a7a', '433d84', '3d4e8a', '355e8d', '2e6d8e', '297b8e', '23898e', '1f978b', '21a585',
-    '2eb37c', '46c06f', '65cb5e', '89d548', 'b0dd2f', 'd8e219', 'fde725'],
-};
-
-const rgb = (hex) => [0, 2, 4].map((at) => parseInt(hex.slice(at, at + 2), 16));
+const rgb = (colour) => [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16));
 
 /** Colour of `t` in 0..1 as [r, g, b] in 0..255. */
 export function colourAt(map, t) {
-  const colours = points[map];
+  const colours = palette(map);
   const at = Math.min(Math.max(t, 0), 1) * (colours.length - 1);
   const below = Math.min(Math.floor(at), colours.length - 2);
   const [low, high] = [rgb(colours[below]), rgb(colours[below + 1])];
@@ -61,7 +54,7 @@ export function legend(scale) {
     }
     bar.style.background = `linear-gradient(to right, ${stops.join(', ')})`;
   } else {
-    bar.style.background = `linear-gradient(to right, ${points[scale.map].map((hex) => `#${hex}`).join(', ')})`;
+    bar.style.background = `linear-gradient(to right, ${palette(scale.map).join(', ')})`;
   }
   return h('figure.legend', {'aria-label': `Legend: ${scale.description}`},
     h('figcaption', {}, scale.description, scale.unit && ` (${scale.unit})`),

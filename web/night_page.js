@@ -1,5 +1,5 @@
 // One night as a grid, captures by techniques. A cell opens what was judged, and the baseline's image beside tonight's.
-import {blobUrl, get, post} from './api.js';
+import {blobUrl, get, loadPalettes, post} from './api.js';
 import {ComparisonView} from './comparison_view.js';
 import {legend} from './colour_scales.js';
 import {announce, field, h, replace} from './dom.js';
@@ -11,8 +11,7 @@ const marks = {passed: '✓', failed: '✕', missing: '∅', new: '+', unjudged:
 const differenceScale = {map: 'magma', maximum: 0.25, description: 'largest absolute difference of the sRGB channels to the baseline', unit: ''};
 
 export async function nightPage(id) {
-  const night = await get(`/api/nights/${id}`);
-  const {baselines} = await get('/api/baselines');
+  const [night, {baselines}] = await Promise.all([get(`/api/nights/${id}`), get('/api/baselines'), loadPalettes()]);
   const page = new NightPage(night, baselines);
   return {element: page.element, title: `Night ${id}`, close: () => page.close()};
 }

@@ -1,5 +1,5 @@
 // One run: its progress while it lasts, its figures, and its images against the reference.
-import {blobUrl, followRun, get, post, remove, techniques} from './api.js';
+import {blobUrl, followRun, get, loadPalettes, post, remove, techniques} from './api.js';
 import {legend, scaleOf} from './colour_scales.js';
 import {ComparisonView} from './comparison_view.js';
 import {announce, field, h, replace} from './dom.js';
@@ -11,7 +11,7 @@ import {frameRange, runSize, statusPill} from './runs_page.js';
 const roleTitles = {image: 'image', reference: 'reference', error: 'error', shading: 'shading', hdr: 'linear image (EXR)'};
 
 export async function runPage(id) {
-  const [run, registry] = await Promise.all([get(`/api/runs/${id}`), techniques()]);
+  const [run, registry] = await Promise.all([get(`/api/runs/${id}`), techniques(), loadPalettes()]);
   const page = new RunPage(run, registry);
   page.start();
   return {element: page.element, title: `Run ${id}`, close: () => page.close()};

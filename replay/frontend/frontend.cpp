@@ -342,6 +342,7 @@ std::uint64_t Frontend::count_fragments(bool visible, std::uint32_t width, std::
   geometry.by_material = visible;
   geometry.fragment_opaque = geometry.fragment_alpha = "frontend/count_fragments.frag";
   geometry.pass.name = "fragments";
+  geometry.pass.pipeline.constants = {{CONSTANT_ALPHA_MODE, ALPHA_MODE_TO_COVERAGE}};  // what triangles cover, whole
   geometry.pass.pipeline.additive = true;
   geometry.pass.pipeline.targets.clear = true;
   geometry.pass.colours = {{counts}};
@@ -361,14 +362,14 @@ std::uint64_t Frontend::count_fragments(bool visible, std::uint32_t width, std::
 void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry) {
   gpu::RasterPass& pass = geometry.pass;
 
-  gpu::RasterDescription opaque = pass.pipeline;
-  opaque.vertex = geometry.by_material ? "frontend/hull.vert:ATTRIBUTES" : "frontend/hull.vert:VISIBILITY";
-  opaque.fragment = geometry.fragment_opaque;
-  for (const auto& constant : constants()) opaque.constants.push_back(constant);
-  gpu::RasterDescription alpha = opaque;
-  alpha.vertex = "frontend/hull.vert:ALPHA";
-  alpha.fragment = geometry.fragment_alpha;
-  pass.pipeline = opaque;
+  pass.pipeline.vertex = geometry.by_material ? "frontend/hull.vert:ATTRIBUTES" : "frontend/hull.vert:VISIBILITY";
+  pass.pipeline.fragment = geometry.fragment_opaque;
+  for (const auto& constant : constants()) pass.pipeline.constants.push_back(constant);
+  if (!geometry.by_material) {
+    gpu::RasterDescription& alpha = pass.alternatives.emplace_back(pass.pipeline);
+    alpha.vertex = "frontend/hull.vert:ALPHA";
+    alpha.fragment = geometry.fragment_alpha;
+  }
   pass.bindings.push_back(gpu::uniform(scene_.frame_constants));
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_UV_MAPPINGS, scene_.uv_mappings));
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_MATERIALS, scene_.materials));
@@ -383,13 +384,13 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   const auto& batches = geometry.by_material ? material_batches_ : visibility_batches_;
   const gpu_types::HullPush push = hull_push(pass, batches.empty() ? 0 : batches.front().material);
   pass.push = gpu::PushConstants(push);
-  pass.draws = [this, push, opaque, alpha, &batches, &commands, &indices,
+  pass.draws = [this, push, &batches, &commands, &indices,
                 by_material = geometry.by_material](gpu::DrawEncoder& encoder) {
     encoder.index_buffer(indices);
     gpu_types::HullPush batch_push = push;
     for (std::size_t i = 0; i < batches.size(); ++i) {
       const Batch& batch = batches[i];
-      if (!by_material) encoder.pipeline(batch.alpha_test ? alpha : opaque);
+      if (!by_material) encoder.pipeline(batch.alpha_test ? 1 : 0);
       batch_push.material = batch.material;
       encoder.push(gpu::PushConstants(batch_push));
       encoder.material(scene_.material_set(batch.material));

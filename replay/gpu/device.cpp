@@ -154,9 +154,7 @@ void check(VkResult result, std::string_view call) {
 }
 
 Device::Device(const DeviceOptions& options)
-    : shaders_(options.shaders),
-      instance_(options.names, options.validation_messages),
-      checks_interfaces_(options.check_interfaces) {
+    : shaders_(options.shaders), instance_(options.names, options.validation_messages) {
   choose_physical(options);
   create_device();
   pipelines_ = std::make_unique<PipelineCache>(*this);

@@ -16,9 +16,6 @@ namespace subpixel::gpu {
 
 struct DeviceOptions {
   bool any_device = false;  // false: lavapipe only, so that results are comparable from machine to machine
-  // Every pass is held against what its shaders declare and against the addresses it hands on; a mismatch is a
-  // logic_error.
-  bool check_interfaces = false;
   // The folder all shaders are read from instead of the embedded ones (ShaderLibrary); empty: those.
   std::filesystem::path shaders = shader_folder_of_environment();
   bool names = false;  // of buffers, images, pipelines and passes reach Vulkan, for RenderDoc and layers
@@ -47,7 +44,6 @@ class Device {
   Device& operator=(const Device&) = delete;
 
   const DeviceInfo& info() const { return info_; }
-  bool checks_interfaces() const { return checks_interfaces_; }
   VkDevice handle() const { return device_.get(); }
   Instance& instance() { return instance_; }
   VkPhysicalDevice physical() const { return physical_; }
@@ -100,7 +96,6 @@ class Device {
   float timestamp_period_ns_ = 1;
   VkPhysicalDeviceMemoryProperties memory_{};
   double total_ms_ = 0;
-  bool checks_interfaces_ = false;
   DeviceInfo info_;
   std::map<VkDeviceAddress, AddressedBuffer> addresses_;
   std::unique_ptr<PipelineCache> pipelines_;

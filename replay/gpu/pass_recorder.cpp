@@ -32,11 +32,12 @@ Binding image_writes(std::uint32_t slot, Image& image) {
 }
 
 void DrawEncoder::push(const PushConstants& push) {
+  if (push.size != pass_.push.size) throw std::logic_error("pass " + pass_.name + ": push constants of another size");
   vkCmdPushConstants(commands_, device_.pipelines().layout(), VK_SHADER_STAGE_ALL, 0, kPushConstantBytes,
                      push.bytes.data());
 }
-void DrawEncoder::pipeline(RasterDescription description) {
-  description.targets = targets_;
+void DrawEncoder::pipeline(std::size_t number) {
+  const RasterDescription& description = number == 0 ? pass_.pipeline : pass_.alternatives.at(number - 1);
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, device_.pipelines().raster(description));
 }
 void DrawEncoder::material(VkDescriptorSet set) {
@@ -240,7 +241,6 @@ void PassRecorder::require_interface(const std::string& pass, const std::vector<
                                      SuppliedInterface supplied, const Constants& constants,
                                      const std::vector<Binding>& bindings, const PushConstants& push,
                                      const std::vector<Use>& uses) {
-  if (!device_.checks_interfaces()) return;
   std::vector<ShaderStage> stages;
   for (const std::string& shader : shaders) {
     if (shader.empty()) continue;
@@ -287,11 +287,6 @@ void PassRecorder::compute(ComputePass pass) {
   step.timing = timing(pass.name);
   step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
   add_addressed(step.uses, pass, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
-  for (Buffer* buffer : pass.by_address)
-    step.uses.push_back({buffer,
-                         nullptr,
-                         {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                          VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
   if (pass.indirect)
     step.uses.push_back(
         {pass.indirect,
@@ -346,10 +341,7 @@ VkFramebuffer PassRecorder::framebuffer(const RasterPass& pass, VkRenderPass ren
 void PassRecorder::raster(RasterPass pass) {
   const bool ordered = pass.pipeline.targets.ordered_read;
   SuppliedInterface supplied;
-  if (pass.draws && pass.push.size == 0)
-    supplied.push_bytes.reset();
-  else
-    supplied.push_bytes = pass.push.size;
+  supplied.push_bytes = pass.push.size;
   supplied.material = static_cast<bool>(pass.draws);  // bound between the draws
   for (std::size_t i = 0; ordered && i < pass.colours.size(); ++i)
     supplied.bindings.push_back(kInputAttachmentBinding + static_cast<std::uint32_t>(i));
@@ -361,11 +353,6 @@ void PassRecorder::raster(RasterPass pass) {
   step.timing = timing(pass.name);
   step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
   add_addressed(step.uses, pass, VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
-  for (Buffer* buffer : pass.by_address)
-    step.uses.push_back({buffer,
-                         nullptr,
-                         {VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
-                          VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
   for (Buffer* buffer : pass.indices_and_indirect)
     step.uses.push_back(
         {buffer,
@@ -393,8 +380,15 @@ void PassRecorder::raster(RasterPass pass) {
           VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
           VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}});
 
-  require_interface(pass.name, {pass.pipeline.vertex, pass.pipeline.fragment}, std::move(supplied),
-                    pass.pipeline.constants, pass.bindings, pass.push, step.uses);
+  const auto require = [&](const RasterDescription& pipeline) {
+    require_interface(pass.name, {pipeline.vertex, pipeline.fragment}, supplied, pipeline.constants, pass.bindings,
+                      pass.push, step.uses);
+  };
+  require(pass.pipeline);
+  for (RasterDescription& alternative : pass.alternatives) {
+    alternative.targets = pass.pipeline.targets;
+    require(alternative);
+  }
   const VkPipeline pipeline = device_.pipelines().raster(pass.pipeline);
   const VkRenderPass render_pass = device_.pipelines().render_pass(pass.pipeline.targets);
   const VkFramebuffer target = framebuffer(pass, render_pass);
@@ -423,7 +417,7 @@ void PassRecorder::raster(RasterPass pass) {
     vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.bindings, ordered ? pass.colours : std::vector<Attachment>{});
-    DrawEncoder encoder(device_, commands, pass.pipeline.targets);
+    DrawEncoder encoder(device_, commands, pass);
     encoder.push(pass.push);
     encoder.viewport(0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height));
     const VkRect2D scissor{{0, 0}, extent};

@@ -2,6 +2,7 @@
 // and timers follow from that. The recorded sequence can be run any number of times.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <deque>
@@ -22,7 +23,7 @@ struct AddressedUse {
 };
 
 // Hands out the addresses that a pass passes on in its push constants; with the address, the use is declared, from
-// which its barrier follows.
+// which its barrier follows. Nothing else but an AddressTable hands out addresses.
 class AddressUses {
  public:
   std::uint64_t reads(Buffer& buffer) {
@@ -44,7 +45,7 @@ class AddressTable {
   AddressTable(Device& device, std::string name, VkDeviceSize bytes) : buffer_(device, std::move(name), bytes) {}
   // The address of a buffer that the table is going to hold.
   std::uint64_t of(Buffer& target) {
-    targets_.push_back(&target);
+    if (std::ranges::find(targets_, &target) == targets_.end()) targets_.push_back(&target);
     return target.address();
   }
   // `value`: a structure of what of() returned. The device must be idle.
@@ -94,20 +95,21 @@ struct ComputePass : AddressUses {
   std::string name, shader;
   Constants constants;
   std::vector<Binding> bindings;
-  std::vector<Buffer*> by_address;  // written or read through buffer_reference
   PushConstants push;
   std::array<std::uint32_t, 3> groups{1, 1, 1};
   VkDescriptorSet material = VK_NULL_HANDLE;  // set 1, if the shader reads a material's textures
   Buffer* indirect = nullptr;                 // the three group counts are read from its start instead of `groups`
 };
 
+struct RasterPass;
+
 // Binds further state between the draws of one raster pass.
 class DrawEncoder {
  public:
-  DrawEncoder(Device& device, VkCommandBuffer commands, const RenderPassDescription& targets)
-      : device_(device), commands_(commands), targets_(targets) {}
-  void push(const PushConstants& push);
-  void pipeline(RasterDescription description);  // with the targets of the pass
+  DrawEncoder(Device& device, VkCommandBuffer commands, const RasterPass& pass)
+      : device_(device), commands_(commands), pass_(pass) {}
+  void push(const PushConstants& push);  // as many bytes as the pass's own
+  void pipeline(std::size_t number);     // 0: the pass's own; then its alternatives
   void material(VkDescriptorSet set);
   void index_buffer(const Buffer& buffer);  // 32-bit
   void draw(std::uint32_t vertices, std::uint32_t instances = 1, std::uint32_t first_vertex = 0,
@@ -120,7 +122,7 @@ class DrawEncoder {
  private:
   Device& device_;
   VkCommandBuffer commands_;
-  const RenderPassDescription& targets_;
+  const RasterPass& pass_;
 };
 
 // One layer of an image that a raster pass draws to.
@@ -137,8 +139,8 @@ enum class Triangles { none, all, visible };
 
 struct RasterPass : AddressUses {
   std::string name;
-  RasterDescription
-      pipeline;  // bound before `draws` is called; the formats of its targets are those of the attachments below
+  RasterDescription pipeline;  // bound first; the formats of its targets are those of the attachments below
+  std::vector<RasterDescription> alternatives;  // that `draws` may bind; the targets are the same
   std::vector<Attachment> colours;
   Image* depth = nullptr;
   std::array<std::uint32_t, 2> size{};                      // pixels; of a pass without attachments
@@ -146,8 +148,7 @@ struct RasterPass : AddressUses {
   float clear_depth = 0;
   std::vector<Binding> bindings;
   std::vector<Buffer*> indices_and_indirect;  // buffers the draws read as indices or indirect commands
-  std::vector<Buffer*> by_address;
-  PushConstants push;  // with `draws` that push their own: the first of them, which is held against the shaders
+  PushConstants push;                         // with `draws` that push their own: the first of them
   Triangles triangles = Triangles::none;
   std::function<void(DrawEncoder&)> draws;  // empty: one full-screen triangle
 };

@@ -27,6 +27,9 @@ inline constexpr std::uint32_t kPushConstantBytes = 128, kMaterialTextures = MAT
 
 // Specialization constants: id -> 32-bit value.
 using Constants = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+inline void append(Constants& constants, const Constants& more) {
+  constants.insert(constants.end(), more.begin(), more.end());
+}
 
 struct RenderPassDescription {
   std::vector<VkFormat> colours;

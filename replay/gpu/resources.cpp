@@ -11,10 +11,10 @@ namespace subpixel::gpu {
 namespace {
 
 UniqueMemory allocate(Device& device, const VkMemoryRequirements& needs, VkMemoryPropertyFlags required,
-                      VkMemoryPropertyFlags preferred, bool by_address, const std::string& name) {
+                      VkMemoryPropertyFlags preferred, bool addressable, const std::string& name) {
   VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
   flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
-  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, by_address ? &flags : nullptr};
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, addressable ? &flags : nullptr};
   info.allocationSize = needs.size;
   info.memoryTypeIndex = device.memory_type(needs.memoryTypeBits, required, preferred);
   UniqueMemory memory;

@@ -54,7 +54,6 @@ class Buffer {
   const std::string& name() const { return name_; }
   VkBuffer handle() const { return buffer_.get(); }
   VkDeviceSize bytes() const { return bytes_; }
-  VkDeviceAddress address() const { return address_; }
   std::span<std::byte> mapped() const { return {static_cast<std::byte*>(mapped_), static_cast<std::size_t>(bytes_)}; }
   // The mapping seen as elements of T; the device must be idle.
   template <typename T>
@@ -66,6 +65,12 @@ class Buffer {
   AccessState state;
 
  private:
+  // Who hands out an address declares its use (pass_recorder.hpp).
+  friend class AddressUses;
+  friend class AddressTable;
+  friend class PassRecorder;
+  VkDeviceAddress address() const { return address_; }
+
   std::string name_;
   UniqueMemory memory_;  // freed after what is bound to it
   UniqueBuffer buffer_;

@@ -26,6 +26,7 @@ enum Op : std::uint32_t {
   kTypeStruct = 30,
   kTypePointer = 32,
   kConstant = 43,
+  kFunction = 54,
   kVariable = 59,
   kDecorate = 71,
   kMemberDecorate = 72,
@@ -57,6 +58,7 @@ class Module {
       const std::uint32_t count = words[at] >> 16;
       if (count == 0 || count > words.size() - at)
         throw std::logic_error("a SPIR-V module that ends within an instruction");
+      if ((words[at] & 0xffff) == kFunction) break;  // declarations come before
       read(words[at] & 0xffff, words.subspan(at + 1, count - 1));
       at += count;
     }
@@ -237,10 +239,9 @@ std::string mismatch(std::span<const ShaderStage> stages, const SuppliedInterfac
     }
     // A host struct may end in padding of less than its largest member.
     const std::uint32_t declared = stage.interface->push_bytes;
-    if (declared > 0 && supplied.push_bytes &&
-        (*supplied.push_bytes < declared || *supplied.push_bytes >= declared + 8)) {
+    if (declared > 0 && (supplied.push_bytes < declared || supplied.push_bytes >= declared + 8)) {
       return fmt::format("{} declares {} bytes of push constants, the pass supplies {}", stage.name, declared,
-                         *supplied.push_bytes);
+                         supplied.push_bytes);
     }
   }
   for (const std::uint32_t id : supplied.constants) {

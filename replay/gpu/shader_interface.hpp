@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,12 +44,12 @@ struct ShaderStage {
 // What a pass supplies to its stages. It may supply more than one of them has use for: a technique gives all its passes
 // its constants.
 struct SuppliedInterface {
-  std::vector<std::uint32_t> constants;         // ids
-  std::vector<std::uint32_t> known_constants;   // ids that shaders of the same folders declare
-  std::vector<std::uint32_t> bindings;          // of set 0
-  std::vector<std::uint32_t> address_tables;    // those of them whose addresses' uses are declared
-  std::optional<std::uint32_t> push_bytes = 0;  // nothing: pushed between the draws
-  bool material = false;                        // set 1
+  std::vector<std::uint32_t> constants;        // ids
+  std::vector<std::uint32_t> known_constants;  // ids that shaders of the same folders declare
+  std::vector<std::uint32_t> bindings;         // of set 0
+  std::vector<std::uint32_t> address_tables;   // those of them whose addresses' uses are declared
+  std::uint32_t push_bytes = 0;
+  bool material = false;  // set 1
 };
 
 // Ids below PASS_CONSTANTS are the frame's and may be supplied to any shader.

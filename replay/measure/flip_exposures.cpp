@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
+
+#include "replay/measure/percentiles.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -18,13 +21,6 @@ double before_shoulder() {
 
 float usable(float value) {
   return value > 0 ? value : 0.0f;
-}
-
-// Rearranges the values.
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return values.size() % 2 == 1 ? *middle : 0.5 * (*std::max_element(values.begin(), middle) + *middle);
 }
 
 }  // namespace
@@ -43,7 +39,7 @@ ExposureRange exposure_range(const Image& reference) {
   double middle = median(luminances);
   if (middle == 0) {
     std::erase(luminances, 0.0);
-    middle = median(luminances);
+    middle = median(std::move(luminances));
   }
   ExposureRange range;
   range.start = std::log2(before_shoulder() / largest);

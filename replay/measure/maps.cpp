@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.hpp"
-#include "replay/measure/metrics.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -26,11 +24,6 @@ constexpr ControlPoints viridis_points = {0x440154, 0x481769, 0x472a7a, 0x433d84
 Rgb unpack(std::uint32_t colour) {
   return {static_cast<float>(colour >> 16 & 255) / 255, static_cast<float>(colour >> 8 & 255) / 255,
           static_cast<float>(colour & 255) / 255};
-}
-
-std::string hex(const Rgb& colour) {
-  const auto byte = [](float value) { return std::lround(std::clamp(value, 0.0F, 1.0F) * 255); };
-  return fmt::format("#{:02x}{:02x}{:02x}", byte(colour[0]), byte(colour[1]), byte(colour[2]));
 }
 
 void put(Image& image, std::size_t pixel, const Rgb& colour) {
@@ -59,63 +52,45 @@ Rgb colour_at(ColourMap map, float t) {
   return colour;
 }
 
-nlohmann::json to_json(const Legend& legend) {
-  nlohmann::json entries = nlohmann::json::array();
-  for (const LegendEntry& entry : legend.entries) {
-    entries.push_back({{"value", entry.value}, {"colour", hex(entry.colour)}});
-  }
-  return {{"title", legend.title},
-          {"unit", legend.unit},
-          {"map", legend.map == ColourMap::magma ? "magma" : "viridis"},
-          {"discrete", legend.discrete},
-          {"maximum", legend.maximum},
-          {"entries", entries}};
+nlohmann::json palettes_json() {
+  const auto colours = [](const ControlPoints& points) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const std::uint32_t point : points) list.push_back(fmt::format("#{:06x}", point));
+    return list;
+  };
+  return {{"magma", colours(magma_points)}, {"viridis", colours(viridis_points)}};
 }
 
-ColouredMap colour_values(const Image& values, double maximum, ColourMap map, std::string_view title,
-                          std::string_view unit) {
+Image colour_values(const Image& values, double maximum, ColourMap map) {
   if (values.channels != 1 || !(maximum > 0)) throw InputError("map", "needs one channel and a maximum above 0", "map");
-  ColouredMap out{Image(values.width, values.height, 3),
-                  {std::string(title), std::string(unit), map, false, maximum, {}}};
-  constexpr int steps = 4;
-  for (int i = 0; i <= steps; ++i) {
-    const double t = static_cast<double>(i) / steps;
-    out.legend.entries.push_back({t * maximum, colour_at(map, static_cast<float>(t))});
-  }
+  Image coloured(values.width, values.height, 3);
   const std::vector<Rgb> table = colour_table(map);
   const auto scale = static_cast<float>(1 / maximum);
   const auto last = static_cast<float>(table.size()) - 0.5F;
   for (std::size_t i = 0; i < values.pixels.size(); ++i) {
     const float t = values.pixels[i] * scale;
     const float inside = t > 0 ? std::min(t, 1.0F) : 0.0F;
-    put(out.image, i, table[static_cast<std::size_t>(inside * last)]);
+    put(coloured, i, table[static_cast<std::size_t>(inside * last)]);
   }
-  return out;
+  return coloured;
 }
 
-ColouredMap colour_counts(std::uint32_t width, std::uint32_t height, const std::vector<std::uint32_t>& counts,
-                          std::uint32_t maximum, std::string_view title, std::string_view unit) {
+Image colour_counts(std::uint32_t width, std::uint32_t height, const std::vector<std::uint32_t>& counts,
+                    std::uint32_t maximum) {
   if (counts.size() != std::size_t{width} * height || maximum == 0) {
-    throw InputError("map", "needs a count for each pixel and a maximum above 0", std::string(title));
+    throw InputError("map", "needs a count for each pixel and a maximum above 0", "map");
   }
-  ColouredMap out{Image(width, height, 3),
-                  {std::string(title), std::string(unit), ColourMap::viridis, true, static_cast<double>(maximum), {}}};
+  Image coloured(width, height, 3);
   std::vector<Rgb> table;
   for (std::uint32_t value = 0; value <= maximum; ++value) {
     table.push_back(colour_at(ColourMap::viridis, static_cast<float>(value) / static_cast<float>(maximum)));
   }
-  // A legend of up to 17 entries can be read; every value has its own colour all the same.
-  const std::uint32_t stride = (maximum + 15) / 16;
-  for (std::uint32_t value = 0; value < maximum; value += stride) {
-    out.legend.entries.push_back({static_cast<double>(value), table[value]});
-  }
-  out.legend.entries.push_back({static_cast<double>(maximum), table[maximum]});
-  for (std::size_t i = 0; i < counts.size(); ++i) put(out.image, i, table[std::min(counts[i], maximum)]);
-  return out;
+  for (std::size_t i = 0; i < counts.size(); ++i) put(coloured, i, table[std::min(counts[i], maximum)]);
+  return coloured;
 }
 
-ColouredMap colour_error(const Image& error) {
-  return colour_values(error, error_map_maximum, ColourMap::magma, "Largest difference of a channel", "display value");
+Image colour_error(const Image& error) {
+  return colour_values(error, error_map_maximum, ColourMap::magma);
 }
 
 }  // namespace subpixel::replay

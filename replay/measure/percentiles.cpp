@@ -14,6 +14,12 @@ std::size_t bucket_of(float value) {
 
 }  // namespace
 
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return values.size() % 2 == 1 ? *middle : 0.5 * (*std::max_element(values.begin(), middle) + *middle);
+}
+
 Percentiles::Percentiles(std::span<const float> values) : values_(values), counts_(1U << 15), sums_(1U << 15) {
   minimum_ = values.front();
   maximum_ = values.front();

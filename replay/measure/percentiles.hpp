@@ -1,4 +1,4 @@
-// Exact percentiles of many values without sorting them all.
+// Medians, and exact percentiles of many values without sorting them all.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,9 @@
 #include <vector>
 
 namespace subpixel::replay {
+
+// The middle one of the values, at least one; of an even number the mean of the middle two.
+double median(std::vector<double> values);
 
 // Of finite values of 0 or more, at least one. Keeps a view of them.
 class Percentiles {

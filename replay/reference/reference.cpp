@@ -81,12 +81,12 @@ gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, g
   pass.clear_depth = 0;
   pass.bindings = bindings_of(scene, work);
   pass.push = gpu::PushConstants(push_of(pass, scene, work));
-  gpu::RasterDescription solid = pass.pipeline, tested = pass.pipeline;
-  tested.fragment = "reference/visibility.frag:TESTED";
-  pass.draws = [&work, solid, tested](gpu::DrawEncoder& encoder) {
+  pass.alternatives = {pass.pipeline};
+  pass.alternatives[0].fragment = "reference/visibility.frag:TESTED";
+  pass.draws = [&work](gpu::DrawEncoder& encoder) {
     for (const auto& run : work.runs) {
       if (run.count == 0) continue;
-      encoder.pipeline(run.tested ? tested : solid);
+      encoder.pipeline(run.tested ? 1 : 0);
       encoder.draw(3 * run.count, 1, 3 * run.first);
     }
   };

@@ -13,7 +13,7 @@ inline constexpr std::uint32_t kDefaultReferenceSamples = 512;
 
 struct ReferenceOptions {
   std::uint32_t samples = kDefaultReferenceSamples;  // visibility samples a pixel, by replay/results/limits.hpp, not 0
-  std::uint32_t shading_model = 0;                   // 0 GGX, 1 Blinn-Phong: specialization constant 2
+  std::uint32_t shading_model = 0;                   // SHADING_MODEL_ of shaders/include/interface.h
   bool tone_map_samples = false;  // the display image is the mean of tone-mapped samples, not the tone-mapped mean
 };
 

@@ -1,12 +1,10 @@
 #include "replay/reference/reference_cache.hpp"
 
-#include <xxhash.h>
 #include <zstd.h>
 
 #include <array>
 #include <cstring>
 #include <fstream>
-#include <memory>
 #include <vector>
 
 #include "base/atomic_file.hpp"
@@ -35,8 +33,7 @@ static_assert(sizeof(Header) == 48);
 
 class Hasher {
  public:
-  Hasher() : state_(XXH3_createState(), XXH3_freeState) { XXH3_128bits_reset(state_.get()); }
-  void add(const void* data, std::size_t bytes) { XXH3_128bits_update(state_.get(), data, bytes); }
+  void add(const void* data, std::size_t bytes) { hasher_.add({static_cast<const std::byte*>(data), bytes}); }
   template <typename T>
   void add_value(const T& value) {
     add(&value, sizeof value);
@@ -46,18 +43,18 @@ class Hasher {
     add_value(std::uint64_t{text.size()});
     add(text.data(), text.size());
   }
-  XXH128_hash_t digest() const { return XXH3_128bits_digest(state_.get()); }
+  ContentHash hash() const { return hasher_.hash(); }
 
  private:
-  std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state_;
+  ContentHasher hasher_;
 };
 
-XXH128_hash_t checksum_of(Header header, const std::vector<std::uint8_t>& payload) {
+ContentHash checksum_of(Header header, const std::vector<std::uint8_t>& payload) {
   header.checksum[0] = header.checksum[1] = 0;
   Hasher hasher;
   hasher.add_value(header);
   hasher.add(payload.data(), payload.size());
-  return hasher.digest();
+  return hasher.hash();
 }
 
 // Byte b of float i at b * count + i: neighbouring floats share their high bytes, which then compress.
@@ -93,8 +90,8 @@ std::optional<std::vector<std::uint8_t>> read_payload(const std::filesystem::pat
   std::vector<std::uint8_t> payload(header.payload_bytes);
   if (!file.read(reinterpret_cast<char*>(payload.data()), static_cast<std::streamsize>(payload.size())))
     return std::nullopt;
-  const XXH128_hash_t found = checksum_of(header, payload);
-  if (found.low64 != header.checksum[0] || found.high64 != header.checksum[1]) return std::nullopt;
+  const ContentHash found = checksum_of(header, payload);
+  if (found.low != header.checksum[0] || found.high != header.checksum[1]) return std::nullopt;
   return payload;
 }
 
@@ -120,14 +117,7 @@ std::string reference_key(const gpu::Device& device, const GpuScene& scene, std:
     const auto words = device.shaders().words(shader.name);
     hasher.add(words.data(), words.size_bytes());
   }
-  XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, hasher.digest());
-  std::string hex;
-  for (const unsigned char byte : canonical.digest) {
-    hex += "0123456789abcdef"[byte >> 4];
-    hex += "0123456789abcdef"[byte & 15];
-  }
-  return hex;
+  return hasher.hash().hex();
 }
 
 std::filesystem::path ReferenceCache::path_of(std::string_view key) const {
@@ -163,9 +153,9 @@ void ReferenceCache::store(std::string_view key, const ReferenceImage& image) co
   header.width = image.linear.width;
   header.height = image.linear.height;
   header.payload_bytes = stored;
-  const XXH128_hash_t checksum = checksum_of(header, payload);
-  header.checksum[0] = checksum.low64;
-  header.checksum[1] = checksum.high64;
+  const ContentHash checksum = checksum_of(header, payload);
+  header.checksum[0] = checksum.low;
+  header.checksum[1] = checksum.high;
   std::vector<std::uint8_t> file(sizeof header);
   std::memcpy(file.data(), &header, sizeof header);
   file.insert(file.end(), payload.begin(), payload.end());

@@ -4,12 +4,12 @@
 
 #include <array>
 #include <bit>
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "base/error.hpp"
 #include "base/json_fields.hpp"
+#include "base/numbers.hpp"
 #include "base/printable.hpp"
 #include "shaders/include/shared_types.h"
 
@@ -47,13 +47,11 @@ std::string Limit::refusal(std::string_view given) const {
 }
 
 std::uint32_t Limit::parse(std::string_view text, std::string_view where) const {
-  std::uint64_t value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end || !holds(value)) {
+  const auto value = parse_number<std::uint64_t>(text);
+  if (!value || !holds(*value)) {
     throw UsageError(std::string(name), refusal(text.empty() ? "nothing" : text), std::string(where));
   }
-  return static_cast<std::uint32_t>(value);
+  return static_cast<std::uint32_t>(*value);
 }
 
 void Limit::require(std::uint64_t value) const {
@@ -62,6 +60,15 @@ void Limit::require(std::uint64_t value) const {
 
 std::span<const Limit> limits() {
   return kLimits;
+}
+
+std::pair<std::uint32_t, std::uint32_t> parse_size(std::string_view text, std::string_view where) {
+  const std::size_t x = text.find('x');
+  if (x == std::string_view::npos) {
+    throw UsageError("size", fmt::format("'{}' is not WIDTHxHEIGHT", text), std::string(where));
+  }
+  const std::string both = fmt::format("{} {}", where, text);
+  return {kWidthLimit.parse(text.substr(0, x), both), kHeightLimit.parse(text.substr(x + 1), both)};
 }
 
 nlohmann::json limits_json() {

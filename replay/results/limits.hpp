@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "capture_format/limits.hpp"
 
@@ -102,6 +103,9 @@ std::span<const Limit> limits();
 // [{name, low, high, multiple_of, values, unit, meaning}]; `values` lists what is taken where that is not all multiples
 // in the range, else it is null.
 nlohmann::json limits_json();
+
+// "1280x720" as width and height, which the limits hold. Throws UsageError that names `where`: "--size".
+std::pair<std::uint32_t, std::uint32_t> parse_size(std::string_view text, std::string_view where);
 
 // The member of `object` that the limit is named after; `absent` when it is null or not there. Throws InputError.
 std::uint32_t limited(const JsonField& object, const Limit& limit, std::uint32_t absent);

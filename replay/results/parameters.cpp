@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 
 #include "base/error.hpp"
+#include "base/numbers.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -18,19 +18,11 @@ using nlohmann::json;
 // A sweep is a product of its ranges; more than this is a mistyped range, not a study.
 constexpr std::size_t max_requests = 1024;
 
-template <class Number>
-std::optional<Number> parse_whole(std::string_view text) {
-  Number value{};
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 json parse_scalar(std::string_view text) {
   if (text == "true") return true;
   if (text == "false") return false;
-  if (const auto integer = parse_whole<std::int64_t>(text)) return *integer;
-  if (const auto number = parse_whole<double>(text); number && std::isfinite(*number)) return *number;
+  if (const auto integer = parse_number<std::int64_t>(text)) return *integer;
+  if (const auto number = parse_number<double>(text); number && std::isfinite(*number)) return *number;
   return std::string(text);
 }
 
@@ -91,8 +83,8 @@ struct Check {
 // The values a written value stands for: "1..4" is 1, 2, 3, 4 and "4|8" is 4, 8; anything else is itself.
 std::vector<json> expand_value(std::string_view text) {
   if (const std::size_t dots = text.find(".."); dots != std::string_view::npos) {
-    const auto first = parse_whole<std::int64_t>(text.substr(0, dots));
-    const auto last = parse_whole<std::int64_t>(text.substr(dots + 2));
+    const auto first = parse_number<std::int64_t>(text.substr(0, dots));
+    const auto last = parse_number<std::int64_t>(text.substr(dots + 2));
     const auto limit = static_cast<std::int64_t>(max_requests);
     if (!first || !last || *first > *last || *first < -limit || *last > limit) return {};
     std::vector<json> values;

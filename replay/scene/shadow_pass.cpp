@@ -76,8 +76,7 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<B
   pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_LESS;
   pass.pipeline.depth_write = true;
-  const gpu::RasterDescription solid = pass.pipeline;
-  gpu::RasterDescription tested = pass.pipeline;
+  gpu::RasterDescription& tested = pass.alternatives.emplace_back(pass.pipeline);
   const std::string variant = scene.features().has(FEATURE_VERTEX_COLOUR) ? "COLOURED" : "TESTED";
   tested.vertex = "scene/shadow.vert:" + variant;
   tested.fragment = "scene/shadow.frag:" + variant;
@@ -102,7 +101,7 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<B
       encoder.viewport(static_cast<float>(c & 1) * side, static_cast<float>(c >> 1) * side, side, side);
       push.world_to_clip = glm::mat4(fit.world_to_clip(c));
       for (const auto& batch : casters.batches[c]) {
-        encoder.pipeline(batch.tested ? tested : solid);
+        encoder.pipeline(batch.tested ? 1 : 0);
         if (batch.tested) encoder.material(scene.material_set(batch.material));
         push.material = batch.material;
         push.uvs = scene.second_uv_of_base(batch.material) ? second_uvs : uvs;

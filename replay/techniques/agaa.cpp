@@ -16,10 +16,6 @@
 namespace subpixel::replay {
 namespace {
 
-constexpr VkFormat kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
-constexpr VkImageUsageFlags kTarget =
-    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
-
 enum class Ndf { toksvig, sggx };
 enum class Roughness { mean, in_normal };
 enum class Storage { fixed_point, floats };
@@ -86,10 +82,6 @@ gpu::Constants agaa_constants(const Setup& setup) {
           {AGAA_CONSTANT_SHADOW_TAPS, setup.parameters.shadow_taps}};
 }
 
-void append(gpu::Constants& constants, const gpu::Constants& more) {
-  constants.insert(constants.end(), more.begin(), more.end());
-}
-
 // Of the frame's camera: positions relative to it keep their digits wherever it is.
 struct ViewSpace {
   glm::mat4 from_clip{1};
@@ -151,16 +143,11 @@ gpu::Image& record_definition(gpu::PassRecorder& recorder, const Setup& setup, g
                               const ViewSpace& space) {
   gpu::Buffer& faces = record_faces(recorder, setup, space);
   const VkFormat format = setup.parameters.aggregates > 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32_UINT;
-  gpu::Image& membership =
-      recorder.image({"membership", format, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
-  gpu::RasterPass pass;
-  pass.name = "define";
-  pass.pipeline.vertex = "shade/fullscreen.vert";
-  pass.pipeline.fragment = "techniques/agaa/define.frag";
-  pass.pipeline.constants = setup.frontend.constants();
-  append(pass.pipeline.constants, agaa_constants(setup));
+  gpu::Image& membership = target_image(recorder, setup, "membership", format);
+  gpu::RasterPass pass = fullscreen_pass(setup, "define", "techniques/agaa/define.frag");
+  gpu::append(pass.pipeline.constants, agaa_constants(setup));
   pass.colours = {{membership}};
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::samples(FRAME_SLOT_VISIBILITY, visibility)};
+  pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
   const gpu_types::AgaaDefinePush push{.view_from_clip = space.from_clip,
                                        .faces = pass.reads(faces),
                                        .inverse_length = static_cast<float>(1 / setup.parameters.length),
@@ -205,11 +192,11 @@ void record_generation(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
   pass.name = "generate";
   pass.size = {setup.width, setup.height};
   pass.pipeline.constants = common_constants(setup);
-  append(pass.pipeline.constants, agaa_constants(setup));
+  gpu::append(pass.pipeline.constants, agaa_constants(setup));
   // With one aggregate the shader reads no membership, but declares it: the slot may not be empty.
   if (!membership)
     membership =
-        &recorder.image({"no membership", VK_FORMAT_R32_UINT, 1, 1, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
+        &recorder.image({.name = "no membership", .format = VK_FORMAT_R32_UINT, .usage = VK_IMAGE_USAGE_SAMPLED_BIT});
   pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(AGAA_SLOT_MEMBERSHIP, *membership),
                    gpu::writes(AGAA_SLOT_STATE, *state.table)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
@@ -217,40 +204,24 @@ void record_generation(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
 
 void record_shading(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility, const ViewSpace& space,
                     const State& state) {
-  const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
-                                     kTarget,  false};
-  setup.outputs.radiance = &recorder.image(output);
-  setup.outputs.display = &recorder.image(output);
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/agaa/shade.frag");
-  append(pass.pipeline.constants, agaa_constants(setup));
-  pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  gpu::append(pass.pipeline.constants, agaa_constants(setup));
+  pass.colours = make_outputs(recorder, setup);
   pass.bindings.insert(pass.bindings.end(),
                        {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::reads(AGAA_SLOT_STATE, *state.table)});
   pass.push = gpu::PushConstants(gpu_types::AgaaShadePush{space.from_clip});
   recorder.raster(std::move(pass));
 }
 
-// Read off the aggregates in a host step, so that the maps cost the technique no time, and once, since every run leaves
-// the same aggregates.
 void record_maps(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility, const ViewSpace& space,
                  const State& state) {
   gpu::RasterPass pass = lighting_pass(setup, "maps", "techniques/agaa/maps.frag");
-  append(pass.pipeline.constants, agaa_constants(setup));
-  for (const char* name : {"aggregates", "normal_variance", "footprint"}) {
-    gpu::Image& map = map_image(recorder, setup, name);
-    setup.outputs.maps.emplace_back(name, &map);
-    pass.colours.emplace_back(map);
-  }
+  gpu::append(pass.pipeline.constants, agaa_constants(setup));
+  pass.colours = make_maps(recorder, setup, {"aggregates", "normal_variance", "footprint"});
   pass.bindings.insert(pass.bindings.end(),
                        {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::reads(AGAA_SLOT_STATE, *state.table)});
   pass.push = gpu::PushConstants(gpu_types::AgaaShadePush{space.from_clip});
-  recorder.host([&device = recorder.device(), pass = std::move(pass), done = false]() mutable {
-    if (done) return;
-    gpu::PassRecorder own(device);
-    own.raster(pass);
-    own.run();
-    done = true;
-  });
+  recorder.host(once(run_pass(recorder.device(), std::move(pass))));
 }
 
 void record(gpu::PassRecorder& recorder, const Setup& setup) {

@@ -1,24 +1,18 @@
 #include "replay/techniques/dcaa_passes.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
-#include "replay/frontend/fragment_lists.hpp"
 #include "replay/techniques/dcaa_view.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "replay/techniques/ordered_state.hpp"
 #include "shaders/techniques/dcaa/dcaa_interface.h"
 
 namespace subpixel::replay {
 namespace {
-
-constexpr VkFormat kWords = VK_FORMAT_R32G32B32A32_UINT, kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
-constexpr VkImageUsageFlags kTarget =
-    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
 
 std::uint32_t state_quads(const FrameSetup& setup, const DcaaForm& form) {
   const std::uint32_t surface_words =
@@ -38,28 +32,12 @@ gpu::Constants constants_of(const DcaaForm& form) {
           {DCAA_CONSTANT_INVERSE_LENGTH, std::bit_cast<std::uint32_t>(form.inverse_length)}};
 }
 
-void append(gpu::Constants& constants, const gpu::Constants& more) {
-  constants.insert(constants.end(), more.begin(), more.end());
-}
-
-// What the passes share. The state lies in attachments up to 32 words a pixel, whose order the device promises; more in
-// a buffer.
+// What the passes share.
 struct Resources {
-  gpu::Image* state = nullptr;
-  gpu::Buffer* words = nullptr;
-  gpu::AddressTable* address = nullptr;
+  OrderedState state;
   gpu::Image* bound = nullptr;
   gpu::Buffer* table = nullptr;
   gpu::Buffer* view = nullptr;
-
-  std::string variant() const { return state ? "IMAGE" : "BUFFER"; }
-  void bind_state(gpu::RasterPass& pass) const {
-    if (state) {
-      pass.bindings.push_back(gpu::samples(ORDERED_SLOT_ATTACHMENTS, *state));
-    } else {
-      pass.bindings.push_back(gpu::reads(ORDERED_SLOT_ADDRESS, *address));
-    }
-  }
 };
 
 gpu::Buffer& table_buffer(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form) {
@@ -71,36 +49,22 @@ gpu::Buffer& table_buffer(gpu::PassRecorder& recorder, const FrameSetup& setup, 
 
 gpu::Image& record_bound(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form,
                          gpu::Buffer& table) {
-  gpu::Image& bound = recorder.image(
-      {"dcaa depth bound", kWords, setup.width, setup.height, 1, 2, VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+  gpu::Image& bound = target_array(recorder, setup, "dcaa depth bound", VK_FORMAT_R32G32B32A32_UINT, 2);
   Frontend::GeometryPass geometry;
-  gpu::RasterPass& pass = geometry.pass;
-  pass.name = "z-prepass";
+  geometry.pass.name = "z-prepass";
   geometry.fragment_opaque = "techniques/dcaa/prepass.frag:OPAQUE";
   geometry.fragment_alpha = "techniques/dcaa/prepass.frag:ALPHA";
-  pass.pipeline.constants = common_constants(setup);
-  append(pass.pipeline.constants, constants_of(form));
-  pass.pipeline.targets.ordered_read = true;
-  pass.pipeline.targets.clear = true;
-  pass.colours = {{bound, 0}, {bound, 1}};
-  pass.clear_colours = {{}, {}};
-  pass.bindings = {gpu::reads(DCAA_SLOT_TABLE, table)};
+  geometry.pass.pipeline.constants = common_constants(setup);
+  gpu::append(geometry.pass.pipeline.constants, constants_of(form));
+  geometry.pass.bindings = {gpu::reads(DCAA_SLOT_TABLE, table)};
+  attach_ordered(geometry.pass, bound);
   setup.frontend.record_geometry(recorder, std::move(geometry));
   return bound;
 }
 
-Resources make_resources(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, bool in_buffer) {
-  const std::uint32_t quads = state_quads(setup, form);
+Resources make_resources(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, bool from_lists) {
   Resources r;
-  if (quads <= ORDERED_MOST_ATTACHMENTS && !in_buffer) {
-    r.state = &recorder.image({"dcaa state", kWords, setup.width, setup.height, 1,
-                               std::max<std::uint32_t>(quads, ORDERED_FEWEST_ATTACHMENTS), VK_SAMPLE_COUNT_1_BIT,
-                               kTarget, true});
-  } else {
-    r.words = &recorder.buffer("dcaa state", state_pixels(setup) * quads * 16);
-    r.address = &recorder.address_table("dcaa state address", sizeof(VkDeviceAddress));
-    r.address->set(r.address->of(*r.words));
-  }
+  r.state = make_ordered_state(recorder, setup, "dcaa state", state_quads(setup, form), from_lists);
   r.table = &table_buffer(recorder, setup, form);
   r.view = &recorder.buffer("dcaa view", sizeof(gpu_types::DcaaView));
   r.view->as<gpu_types::DcaaView>()[0] = dcaa_view(setup.scene.constants().view_projection, setup.width, setup.height);
@@ -109,160 +73,101 @@ Resources make_resources(gpu::PassRecorder& recorder, const FrameSetup& setup, c
 
 void record_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, const Resources& r) {
   Frontend::GeometryPass geometry;
-  geometry.by_material = true;
-  gpu::RasterPass& pass = geometry.pass;
-  pass.name = "merge";
-  pass.pipeline.constants = common_constants(setup);
-  append(pass.pipeline.constants, constants_of(form));
-  pass.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table), gpu::reads(DCAA_SLOT_VIEW, *r.view)};
+  geometry.pass.name = "merge";
+  geometry.pass.pipeline.constants = common_constants(setup);
+  gpu::append(geometry.pass.pipeline.constants, constants_of(form));
   // Without a prepass the shader reads no bound, but declares it: the slot may not be empty.
-  gpu::Image& bound =
-      r.bound ? *r.bound : recorder.image({"no bound", kWords, 1, 1, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, true});
-  pass.bindings.push_back(gpu::samples(DCAA_SLOT_BOUND, bound));
-  if (r.state) {
-    const std::uint32_t attachments = r.state->description().layers;
-    geometry.fragment_opaque = fmt::format("techniques/dcaa/merge.frag:{}", attachments);
-    pass.pipeline.targets.ordered_read = true;
-    pass.pipeline.targets.clear = true;
-    for (std::uint32_t i = 0; i < attachments; ++i) pass.colours.emplace_back(*r.state, i);
-    pass.clear_colours.assign(attachments, {});
-  } else {
-    geometry.fragment_opaque = std::string("techniques/dcaa/merge.frag:") + buffer_variant(recorder.device());
-    recorder.fill("merge", *r.words, 0);
-    pass.bindings.push_back(gpu::writes(ORDERED_SLOT_ADDRESS, *r.address));
-    pass.size = {setup.width, setup.height};
-  }
-  setup.frontend.record_geometry(recorder, std::move(geometry));
+  gpu::Image& bound = r.bound ? *r.bound
+                              : recorder.image({.name = "no bound",
+                                                .format = VK_FORMAT_R32G32B32A32_UINT,
+                                                .usage = VK_IMAGE_USAGE_SAMPLED_BIT,
+                                                .array = true});
+  geometry.pass.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table), gpu::reads(DCAA_SLOT_VIEW, *r.view),
+                            gpu::samples(DCAA_SLOT_BOUND, bound)};
+  record_ordered(recorder, setup, r.state, std::move(geometry), "techniques/dcaa/merge.frag");
 }
 
 // The same state, prepass included, by passes over fragment lists.
 void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form,
                        const FragmentLists& lists, const Resources& r) {
-  gpu::Buffer& kept = recorder.buffer("kept fragments", std::uint64_t{setup.width} * setup.height * 4);
-  gpu::Buffer& surfaces = recorder.buffer("fragment surfaces", lists.count * sizeof(gpu_types::DcaaListedSurface));
-  gpu::AddressTable& surfaces_address = recorder.address_table("fragment surfaces address", sizeof(VkDeviceAddress));
-  surfaces_address.set(surfaces_address.of(surfaces));
+  const ListedState listed(recorder, setup, lists, r.state, sizeof(gpu_types::DcaaListedSurface));
+  ListedPass fragments;
+  fragments.constants = common_constants(setup);
+  gpu::append(fragments.constants, constants_of(form));
+  fragments.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table), gpu::reads(DCAA_SLOT_VIEW, *r.view), listed.surfaces()};
+  gpu::ComputePass pixels;
+  pixels.constants = constants_of(form);
+  pixels.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table), gpu::reads(DCAA_SLOT_VIEW, *r.view)};
 
-  ListedPass listed;
-  listed.constants = common_constants(setup);
-  append(listed.constants, constants_of(form));
-  listed.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table), gpu::reads(DCAA_SLOT_VIEW, *r.view),
-                     gpu::writes(DCAA_SLOT_SURFACES, surfaces_address)};
   const bool exact = (form.options & DCAA_TABLE) == 0;
   if (exact || setup.scene.features().has(FEATURE_ALPHA_TEST)) {
-    listed.name = exact ? "masks" : "alpha";
-    listed.shader = "techniques/dcaa/masks.comp";
-    listed.alpha_only = !exact;
-    record_listed_fragments(recorder, setup, lists, listed);
-    listed.alpha_only = false;
+    fragments.name = exact ? "masks" : "alpha";
+    fragments.shader = "techniques/dcaa/masks.comp";
+    fragments.alpha_only = !exact;
+    record_listed_fragments(recorder, setup, lists, fragments);
+    fragments.alpha_only = false;
   }
-
-  gpu::ComputePass by_pixel;
-  by_pixel.constants = setup.frontend.constants();
-  append(by_pixel.constants, constants_of(form));
-  by_pixel.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(DCAA_SLOT_TABLE, *r.table),
-                       gpu::reads(DCAA_SLOT_VIEW, *r.view)};
-  by_pixel.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
-
-  gpu::ComputePass keep = by_pixel;
-  keep.name = (form.options & DCAA_PREPASS) != 0 ? "z-prepass" : "sort";
-  keep.shader = "techniques/dcaa/keep.comp";
-  const gpu_types::DcaaKeepPush keep_push{.lists = lists.writes(keep),
-                                          .records = keep.reads(setup.frontend.records()),
-                                          .kept = keep.writes(kept),
-                                          .width = setup.width,
-                                          .height = setup.height};
-  keep.push = gpu::PushConstants(keep_push);
-  recorder.compute(std::move(keep));
-
-  listed.name = "attributes";
-  listed.shader = "techniques/dcaa/attributes.comp";
-  record_listed_fragments(recorder, setup, lists, listed);
-
-  gpu::ComputePass merge = by_pixel;
-  merge.name = "merge";
-  merge.shader = "techniques/dcaa/merge_lists.comp";
-  const gpu_types::DcaaMergePush merge_push{.lists = lists.reads(merge),
-                                            .surfaces = merge.reads(surfaces),
-                                            .kept = merge.reads(kept),
-                                            .state = merge.writes(*r.words),
-                                            .width = setup.width,
-                                            .height = setup.height};
-  merge.push = gpu::PushConstants(merge_push);
-  recorder.compute(std::move(merge));
+  pixels.name = (form.options & DCAA_PREPASS) != 0 ? "z-prepass" : "sort";
+  pixels.shader = "techniques/dcaa/keep.comp";
+  listed.record_keep(pixels);
+  fragments.name = "attributes";
+  fragments.shader = "techniques/dcaa/attributes.comp";
+  record_listed_fragments(recorder, setup, lists, fragments);
+  pixels.name = "merge";
+  pixels.shader = "techniques/dcaa/merge_lists.comp";
+  listed.record_merge(pixels);
 }
 
 void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, const Resources& r) {
-  const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
-                                     kTarget,  false};
-  setup.outputs.radiance = &recorder.image(output);
-  setup.outputs.display = &recorder.image(output);
   const bool lobes = (form.options & DCAA_DISTRIBUTION) != 0;
-  gpu::RasterPass pass =
-      lighting_pass(setup, "resolve and shade", "techniques/dcaa/shade.frag:" + r.variant() + (lobes ? "_LOBES" : ""));
-  append(pass.pipeline.constants, constants_of(form));
+  gpu::RasterPass pass = lighting_pass(setup, "resolve and shade",
+                                       "techniques/dcaa/shade.frag:" + r.state.variant() + (lobes ? "_LOBES" : ""));
+  gpu::append(pass.pipeline.constants, constants_of(form));
   if (lobes) {
     const bool moments = (form.options & DCAA_SECOND_MOMENTS) != 0;
-    append(pass.pipeline.constants,
-           {{AGAA_CONSTANT_SHADOW_TAPS, form.shadow_taps}, {AGAA_CONSTANT_OPTIONS, moments ? AGAA_SGGX : 0u}});
+    gpu::append(pass.pipeline.constants,
+                {{AGAA_CONSTANT_SHADOW_TAPS, form.shadow_taps}, {AGAA_CONSTANT_OPTIONS, moments ? AGAA_SGGX : 0u}});
   }
-  pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  pass.colours = make_outputs(recorder, setup);
   pass.bindings.push_back(gpu::reads(DCAA_SLOT_TABLE, *r.table));  // declared with the masks' own functions, not read
   pass.bindings.push_back(gpu::reads(DCAA_SLOT_VIEW, *r.view));
-  r.bind_state(pass);
+  r.state.bind(pass);
   recorder.raster(std::move(pass));
 }
 
-// The maps are read off the state in a host step, so that they cost the technique no time, and once, since every run
-// leaves the same state.
 void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, const Resources& r) {
-  std::vector<gpu::Image*> maps;
-  for (const char* name : {"surfaces", "first_merges", "second_merges", "discards", "leaks", "table_errors"}) {
-    maps.push_back(&map_image(recorder, setup, name));
-    setup.outputs.maps.emplace_back(name, maps.back());
-  }
+  gpu::RasterPass pass = fullscreen_pass(setup, "maps", "techniques/dcaa/maps.frag:" + r.state.variant());
+  gpu::append(pass.pipeline.constants, constants_of(form));
+  pass.colours =
+      make_maps(recorder, setup, {"surfaces", "first_merges", "second_merges", "discards", "leaks", "table_errors"});
+  r.state.bind(pass);
+
   Frontend::GeometryPass geometry;
   geometry.pass.name = "examine";
   geometry.fragment_opaque = "techniques/dcaa/examine.frag:OPAQUE";
   geometry.fragment_alpha = "techniques/dcaa/examine.frag:ALPHA";
   geometry.pass.pipeline.constants = common_constants(setup);
-  append(geometry.pass.pipeline.constants, constants_of(form));
-  geometry.pass.pipeline.targets.ordered_read = true;
-  geometry.pass.pipeline.targets.clear = true;
-  geometry.pass.clear_colours = {{}};
+  gpu::append(geometry.pass.pipeline.constants, constants_of(form));
   geometry.pass.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table)};
-
-  gpu::RasterPass pass;
-  pass.name = "maps";
-  pass.pipeline.vertex = "shade/fullscreen.vert";
-  pass.pipeline.fragment = "techniques/dcaa/maps.frag:" + r.variant();
-  pass.pipeline.constants = setup.frontend.constants();
-  append(pass.pipeline.constants, constants_of(form));
-  for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
-  r.bind_state(pass);
-  recorder.host([&device = recorder.device(), &frontend = setup.frontend, &outputs = setup.outputs,
-                 size = std::array{setup.width, setup.height}, geometry = std::move(geometry), pass = std::move(pass),
-                 done = false]() mutable {
-    if (done) return;
-    gpu::PassRecorder own(device);
-    gpu::Image& found = own.image({"dcaa found", kWords, size[0], size[1], 1, 1, VK_SAMPLE_COUNT_1_BIT,
-                                   kTarget | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false});
-    geometry.pass.colours = {{found}};
-    frontend.record_geometry(own, geometry);
-    pass.bindings.push_back(gpu::samples(DCAA_SLOT_FOUND, found));
-    own.raster(pass);
+  recorder.host(once([setup, geometry, pass] {
+    gpu::PassRecorder own(setup.frontend.device());
+    gpu::Image& found = target_image(own, setup, "dcaa found", VK_FORMAT_R32G32B32A32_UINT);
+    Frontend::GeometryPass examine = geometry;
+    attach_ordered(examine.pass, found);
+    setup.frontend.record_geometry(own, std::move(examine));
+    gpu::RasterPass maps = pass;
+    maps.bindings.push_back(gpu::samples(DCAA_SLOT_FOUND, found));
+    own.raster(std::move(maps));
     own.run();
-    const auto bytes = gpu::download(device, found);
+    const auto bytes = gpu::download(own.device(), found);
     std::uint64_t decisions = 0;
     for (std::size_t texel = 0; texel < bytes.size(); texel += 16) {
       std::uint32_t here = 0;
       std::memcpy(&here, bytes.data() + texel + 8, sizeof(here));
       decisions += here;
     }
-    outputs.counters["table_decisions"] = decisions;
-    done = true;
-  });
+    setup.outputs.counters["table_decisions"] = decisions;
+  }));
 }
 
 }  // namespace

@@ -11,12 +11,6 @@
 #include "shaders/shade/shade_interface.h"
 
 namespace subpixel::replay {
-namespace {
-constexpr VkFormat kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
-constexpr VkImageUsageFlags kTarget =
-    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
-}  // namespace
-
 bool narrow_samples(const FrameSetup& setup) {
   const SceneFeatures features = setup.scene.features();
   return !features.has(FEATURE_EMISSIVE) && !(features.has(FEATURE_METAL) && features.has(FEATURE_VARYING_ROUGHNESS));
@@ -29,8 +23,7 @@ std::uint32_t gbuffer_group(std::uint32_t samples) {
 gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, bool all_samples) {
   const std::uint32_t layers = all_samples ? setup.samples : gbuffer_group(setup.samples);
   const VkFormat format = narrow_samples(setup) ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32G32B32A32_UINT;
-  return recorder.image(
-      {"G-buffer", format, setup.width, setup.height, 1, layers, VK_SAMPLE_COUNT_1_BIT, kTarget, true});
+  return target_array(recorder, setup, "G-buffer", format, layers);
 }
 
 void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, gpu::Image& gbuffer,
@@ -53,21 +46,10 @@ void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::I
 }
 
 gpu::Image& sum_image(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  return recorder.image({"sum", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
-                         kTarget | VK_IMAGE_USAGE_STORAGE_BIT, false});
-}
-
-gpu::Image& map_image(gpu::PassRecorder& recorder, const FrameSetup& setup, std::string name) {
+  constexpr VkImageUsageFlags kUsage =
+      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
   return recorder.image(
-      {std::move(name), VK_FORMAT_R32_UINT, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kTarget, false});
-}
-
-const char* buffer_variant(const gpu::Device& device) {
-  return device.info().pixel_interlock ? "INTERLOCK" : "BUFFER";
-}
-
-std::uint64_t state_pixels(const FrameSetup& setup) {
-  return std::uint64_t{setup.width} * ((setup.height + 3) / 4 * 4) + 4;
+      {"sum", VK_FORMAT_R32G32B32A32_SFLOAT, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT, kUsage, false});
 }
 
 PixelList record_pixel_list(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& flags) {
@@ -105,14 +87,9 @@ PixelList record_pixel_list(gpu::PassRecorder& recorder, const FrameSetup& setup
 }
 
 gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::string fragment) {
-  gpu::RasterPass pass;
-  pass.name = std::move(name);
-  pass.pipeline.vertex = "shade/fullscreen.vert";
-  pass.pipeline.fragment = std::move(fragment);
-  pass.pipeline.constants = common_constants(setup);
-  for (const auto& constant : setup.frontend.constants()) pass.pipeline.constants.push_back(constant);
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::reads(FRAME_SLOT_SPOT_CONES, setup.scene.spot_cones),
-                   gpu::samples(FRAME_SLOT_SHADOW_MAP, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
+  gpu::RasterPass pass = fullscreen_pass(setup, std::move(name), std::move(fragment));
+  pass.bindings.push_back(gpu::reads(FRAME_SLOT_SPOT_CONES, setup.scene.spot_cones));
+  pass.bindings.push_back(gpu::samples(FRAME_SLOT_SHADOW_MAP, setup.scene.shadow_map, &setup.scene.shadow_sampler));
   return pass;
 }
 
@@ -131,20 +108,11 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
 }
 
 void record_resolve(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& sum) {
-  const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
-                                     kTarget,  false};
-  setup.outputs.radiance = &recorder.image(output);
-  setup.outputs.display = &recorder.image(output);
-  gpu::RasterPass pass;
-  pass.name = "resolve";
-  pass.pipeline.vertex = "shade/fullscreen.vert";
-  pass.pipeline.fragment = "shade/resolve.frag";
-  pass.pipeline.constants = common_constants(setup);
-  for (const auto& constant : setup.frontend.constants()) pass.pipeline.constants.push_back(constant);
-  pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  gpu::RasterPass pass = fullscreen_pass(setup, "resolve", "shade/resolve.frag");
+  pass.colours = make_outputs(recorder, setup);
   pass.pipeline.targets.clear = true;
   pass.clear_colours = {{}, {}};
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::samples(SHADE_SLOT_SUM, sum)};
+  pass.bindings.push_back(gpu::samples(SHADE_SLOT_SUM, sum));
   recorder.raster(std::move(pass));
 }
 

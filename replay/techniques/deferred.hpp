@@ -2,6 +2,7 @@
 // images.
 #pragma once
 
+#include "replay/frame/frame_images.hpp"
 #include "replay/frame/technique.hpp"
 
 namespace subpixel::replay {
@@ -26,16 +27,6 @@ gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::st
 // Shades every covered sample of the group into `sum`; pass "shade".
 void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
                            gpu::Image& gbuffer, gpu::Image& sum, std::uint32_t group);
-// R32_UINT, a value for each pixel.
-gpu::Image& map_image(gpu::PassRecorder& recorder, const FrameSetup& setup, std::string name);
-
-// Pixels to allot to a buffer that full-screen passes read by address: devices shade whole blocks of up to 4x4 pixels,
-// of which those beyond the border read, too.
-std::uint64_t state_pixels(const FrameSetup& setup);
-
-// Variant of an ordered pass whose state lies in a buffer: INTERLOCK where the device orders its accesses, else BUFFER,
-// whose order the start-up litmus has proven.
-const char* buffer_variant(const gpu::Device& device);
 
 // A list of pixels that compute passes work through (shaders/deferred/pixel_list.glsl).
 struct PixelList {

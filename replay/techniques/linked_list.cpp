@@ -18,8 +18,6 @@
 namespace subpixel::replay {
 namespace {
 
-constexpr VkFormat kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
-constexpr VkImageUsageFlags kTarget = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
 constexpr const char* kLink = "link";  // the passes of allocation
 constexpr double kMib = 1024.0 * 1024.0;
 
@@ -46,10 +44,6 @@ gpu::Constants list_constants(const LinkedListSetup& setup) {
   return {{LINK_CONSTANT_ALLOCATION, allocation(setup)},
           {LINK_CONSTANT_FIRST_BLOCK, static_cast<std::uint32_t>(setup.parameters.first_block)},
           {LINK_CONSTANT_LIGHTING, by_blocks(setup) ? LINK_LIGHT_BLOCKS : LINK_LIGHT_LISTS}};
-}
-
-void append(gpu::Constants& constants, const gpu::Constants& more) {
-  constants.insert(constants.end(), more.begin(), more.end());
 }
 
 MemoryLayout layout(const LinkedListSetup& setup) {
@@ -79,14 +73,10 @@ void bind(Pass& pass, const Lists& lists) {
   pass.bindings.push_back(gpu::writes(LINK_SLOT_POOL, *lists.pool));
 }
 
-gpu::RasterPass fullscreen_pass(const LinkedListSetup& setup, std::string name, std::string fragment) {
-  gpu::RasterPass pass;
-  pass.name = std::move(name);
-  pass.pipeline.vertex = "shade/fullscreen.vert";
-  pass.pipeline.fragment = std::move(fragment);
-  pass.pipeline.constants = setup.frontend.constants();
-  append(pass.pipeline.constants, list_constants(setup));
-  pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
+gpu::RasterPass list_pass(const LinkedListSetup& setup, const Lists& lists, std::string name, std::string fragment) {
+  gpu::RasterPass pass = fullscreen_pass(setup, std::move(name), std::move(fragment));
+  gpu::append(pass.pipeline.constants, list_constants(setup));
+  bind(pass, lists);
   return pass;
 }
 
@@ -94,7 +84,7 @@ void record_allocation(gpu::PassRecorder& recorder, const LinkedListSetup& setup
   gpu::ComputePass pass;
   pass.name = kLink;
   pass.constants = setup.frontend.constants();
-  append(pass.constants, list_constants(setup));
+  gpu::append(pass.constants, list_constants(setup));
   pass.bindings = {gpu::uniform(setup.scene.frame_constants)};
   bind(pass, lists);
   if (allocation(setup) == LINK_ALLOCATE_ATOMIC) {
@@ -108,9 +98,8 @@ void record_allocation(gpu::PassRecorder& recorder, const LinkedListSetup& setup
   const std::uint32_t sums = allocation(setup) == LINK_ALLOCATE_LARGEST ? tiles * setup.samples : tiles;
   gpu::Buffer& needed = recorder.buffer("blocks by tile", (std::uint64_t{sums} + 1) * 16);
   gpu::Image& leaders = map_image(recorder, setup, "leaders");
-  gpu::RasterPass find = fullscreen_pass(setup, kLink, "techniques/linked_list/leaders.frag");
+  gpu::RasterPass find = list_pass(setup, lists, kLink, "techniques/linked_list/leaders.frag");
   find.colours = {{leaders}};
-  bind(find, lists);
   recorder.raster(std::move(find));
 
   pass.shader = "techniques/linked_list/count.comp";
@@ -133,7 +122,7 @@ void record_geometry(gpu::PassRecorder& recorder, const LinkedListSetup& setup, 
   pass.name = "gbuffer";
   pass.size = {setup.width, setup.height};
   pass.pipeline.constants = common_constants(setup);
-  append(pass.pipeline.constants, list_constants(setup));
+  gpu::append(pass.pipeline.constants, list_constants(setup));
   bind(pass, lists);
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
@@ -162,39 +151,26 @@ void record_block_lighting(gpu::PassRecorder& recorder, gpu::Buffer& frame_const
 }
 
 void record_shading(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
-  const gpu::ImageDescription output{"output", kFloats, setup.width, setup.height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
-                                     kTarget,  false};
-  setup.outputs.radiance = &recorder.image(output);
-  setup.outputs.display = &recorder.image(output);
   gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/linked_list/shade.frag");
-  append(pass.pipeline.constants, list_constants(setup));
+  gpu::append(pass.pipeline.constants, list_constants(setup));
   if (by_blocks(setup)) record_block_lighting(recorder, setup.scene.frame_constants, lists, pass);
-  pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  pass.colours = make_outputs(recorder, setup);
   bind(pass, lists);
   recorder.raster(std::move(pass));
 }
 
-// In a host step and once, as every run of a deterministic allocation leaves the same: they cost the technique no time.
+// After every run: the atomic counter's allocation differs from run to run.
 void record_maps(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
-  std::vector<gpu::Image*> maps;
-  for (const char* name : {"blocks", "overflow", "leaks"}) {
-    maps.push_back(&map_image(recorder, setup, name));
-    setup.outputs.maps.emplace_back(name, maps.back());
-  }
-  gpu::RasterPass pass = fullscreen_pass(setup, "maps", "techniques/linked_list/maps.frag");
-  for (gpu::Image* map : maps) pass.colours.emplace_back(*map);
-  bind(pass, lists);
-  recorder.host(
-      [&device = recorder.device(), &counters = setup.outputs.counters, table = lists.pool, pass = std::move(pass)] {
-        gpu::PassRecorder own(device);
-        own.raster(pass);
-        own.run();
-        const auto pool = table->buffer().as<gpu_types::LinkPool>()[0];
-        counters["blocks_wanted"] = pool.allocated;  // dynamic ones
-        counters["blocks_used"] = std::min(pool.allocated, pool.capacity);
-        counters["blocks_available"] = pool.capacity;
-        counters["overflowed_fragments"] = pool.allocated - std::min(pool.allocated, pool.capacity);
-      });
+  gpu::RasterPass pass = list_pass(setup, lists, "maps", "techniques/linked_list/maps.frag");
+  pass.colours = make_maps(recorder, setup, {"blocks", "overflow", "leaks"});
+  recorder.host(run_pass(recorder.device(), std::move(pass)));
+  recorder.host([&counters = setup.outputs.counters, table = lists.pool] {
+    const auto pool = table->buffer().as<gpu_types::LinkPool>()[0];
+    counters["blocks_wanted"] = pool.allocated;  // dynamic ones
+    counters["blocks_used"] = std::min(pool.allocated, pool.capacity);
+    counters["blocks_available"] = pool.capacity;
+    counters["overflowed_fragments"] = pool.allocated - std::min(pool.allocated, pool.capacity);
+  });
 }
 
 void record(gpu::PassRecorder& recorder, const LinkedListSetup& setup) {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "replay/frame/technique.hpp"
+#include "replay/techniques/ordered_state.hpp"
 
 namespace subpixel::replay {
 
@@ -21,14 +22,8 @@ struct StreamingParameters : OrderedParameters {
 };
 using StreamingSetup = SetupFor<StreamingParameters>;
 
-// Each pixel's state as in shaders/techniques/streaming/state.glsl, in one of the two: quads are layers of an RGBA32UI
-// image, or lie together, pixel after pixel, row by row.
-struct StreamingState {
-  gpu::Image* image = nullptr;
-  gpu::Buffer* words = nullptr;
-};
-
-// All passes of the technique; the state belongs to the recorder.
-StreamingState record_streaming(gpu::PassRecorder& recorder, const StreamingSetup& setup);
+// All passes of the technique. The state, of words as shaders/techniques/streaming/state.glsl has them, belongs to the
+// recorder.
+OrderedState record_streaming(gpu::PassRecorder& recorder, const StreamingSetup& setup);
 
 }  // namespace subpixel::replay

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string_view>
 
+#include "base/numbers.hpp"
 #include "scenes/import/statements.hpp"
 #include "scenes/import/text.hpp"
 
@@ -212,10 +213,8 @@ class ObjParser {
 
   void use_smoothing(std::string_view rest) {
     const std::string_view token = take_token(rest);
-    std::uint32_t number = 0;
-    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), number);
-    if (error == std::errc() && end == token.data() + token.size()) {
-      smoothing_ = std::min(number, kByCreaseAngle - 1);
+    if (const auto number = subpixel::parse_number<std::uint32_t>(token)) {
+      smoothing_ = std::min(*number, kByCreaseAngle - 1);
     } else {
       smoothing_ = lower_case(token) == "on" ? 1 : lower_case(token) == "off" ? 0 : kByCreaseAngle;
     }

@@ -341,7 +341,7 @@ std::optional<ImageDifference> Night::compare(NightFrame& tonight, const std::st
       difference.largest = std::max(difference.largest, static_cast<double>(value));
       difference.pixels += value > 0 ? 1 : 0;
     }
-    const std::vector<std::uint8_t> png = replay::encode_png(replay::colour_error(map).image);
+    const std::vector<std::uint8_t> png = replay::encode_png(replay::colour_error(map));
     tonight.difference = nights_.add_difference(tonight.id, {"image/png", std::string(png.begin(), png.end())});
     return difference;
   } catch (const Error&) {

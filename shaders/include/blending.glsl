@@ -1,5 +1,5 @@
-// Weighted means of what two surfaces store, for techniques that merge them. Every operation is given its order, so that
-// merged surfaces are the same bits everywhere.
+// Weighted means of what two surfaces store, for techniques that merge them. Every operation is given its order, so
+// that merged surfaces are the same bits everywhere.
 // Reads: FEATURES.
 #ifndef SUBPIXEL_BLENDING_GLSL
 #define SUBPIXEL_BLENDING_GLSL

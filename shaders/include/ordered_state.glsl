@@ -1,5 +1,7 @@
-// Where a fragment finds its pixel's state: quad() and set_quad() for its STATE_QUADS quads of words, in attachments or in a
-// buffer. Define ATTACHMENTS (0: buffer) and STATE_QUADS before it.
+// Where a fragment finds its pixel's state: quad() and set_quad() for its STATE_QUADS quads of words. They lie in
+// colour attachments while ATTACHMENTS > 0, so that reads and writes of a pixel's fragments are ordered by
+// VK_EXT_rasterization_order_attachment_access. States of more quads than attachments (ATTACHMENTS 0) lie in a buffer;
+// their order is that of the device's fragments, proven at start-up. Define ATTACHMENTS and STATE_QUADS before it.
 // Reads and writes: the attachments, or the buffer whose address ORDERED_SLOT_ADDRESS holds.
 #ifndef SUBPIXEL_ORDERED_STATE_GLSL
 #define SUBPIXEL_ORDERED_STATE_GLSL

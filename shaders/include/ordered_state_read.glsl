@@ -1,6 +1,6 @@
 // A pixel's state, read back by full-screen passes.
-// Reads: with IMAGE the array of attachments, else the buffer whose address ORDERED_SLOT_ADDRESS holds. Define STATE_QUADS
-// before it.
+// Reads: with IMAGE the array of attachments, else the buffer whose address ORDERED_SLOT_ADDRESS holds. Define
+// STATE_QUADS before it.
 #ifndef SUBPIXEL_ORDERED_STATE_READ_GLSL
 #define SUBPIXEL_ORDERED_STATE_READ_GLSL
 

@@ -49,7 +49,7 @@ struct SpotConeConstants {
   vec4 plane;
 };
 
-// Uniform buffer, binding 0 of every pass.
+// The uniform buffer of every pass.
 struct FrameConstants {
   mat4 view_projection;          // world to clip: Vulkan conventions, reversed depth
   mat4 inverse_view_projection;  // clip to world

@@ -11,9 +11,13 @@ layout(local_size_x = 64) in;
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/agaa/shading.glsl"
 
-layout(set = 0, binding = STORAGE(AGAA_TEST_SLOT_SURFACES), scalar) readonly buffer Surfaces { AgaaTestSurface surfaces[]; };
+layout(set = 0, binding = STORAGE(AGAA_TEST_SLOT_SURFACES), scalar) readonly buffer Surfaces {
+  AgaaTestSurface surfaces[];
+};
 layout(set = 0, binding = STORAGE(AGAA_TEST_SLOT_VIEWS), scalar) readonly buffer Views { vec4 views[]; };
-layout(set = 0, binding = STORAGE(AGAA_TEST_SLOT_RESULTS), scalar) writeonly buffer Results { AgaaTestResult results[]; };
+layout(set = 0, binding = STORAGE(AGAA_TEST_SLOT_RESULTS), scalar) writeonly buffer Results {
+  AgaaTestResult results[];
+};
 layout(push_constant, scalar) uniform Push { AgaaTestPush push; };
 
 Surface surface_of(AgaaTestSurface given) {

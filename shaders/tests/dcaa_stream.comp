@@ -11,8 +11,12 @@ layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "techniques/dcaa/merge.glsl"
 #include "techniques/dcaa/state.glsl"
 
-layout(set = 0, binding = STORAGE(DCAA_TEST_SLOT_RANGES), scalar) readonly buffer Ranges { uvec4 ranges[]; };  // zw: pixel
-layout(set = 0, binding = STORAGE(DCAA_TEST_SLOT_FRAGMENTS), scalar) readonly buffer Stream { DcaaTestFragment fragments[]; };
+layout(set = 0, binding = STORAGE(DCAA_TEST_SLOT_RANGES), scalar) readonly buffer Ranges {
+  uvec4 ranges[];  // zw: pixel
+};
+layout(set = 0, binding = STORAGE(DCAA_TEST_SLOT_FRAGMENTS), scalar) readonly buffer Stream {
+  DcaaTestFragment fragments[];
+};
 layout(set = 0, binding = STORAGE(DCAA_TEST_SLOT_VIEW), scalar) readonly buffer ViewBlock { DcaaView view; };
 layout(set = 0, binding = STORAGE(DCAA_TEST_SLOT_WORDS), scalar) writeonly buffer Words { uint words[]; };
 

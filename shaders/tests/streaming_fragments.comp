@@ -12,7 +12,9 @@ layout(local_size_x = 64) in;
 #include "techniques/streaming/fragment.glsl"
 #include "tests/streaming_test_interface.h"
 
-layout(set = 0, binding = STORAGE(STREAM_TEST_SLOT_OF_FRAME), scalar) writeonly buffer Stream { StreamTestFragment stream[]; };
+layout(set = 0, binding = STORAGE(STREAM_TEST_SLOT_OF_FRAME), scalar) writeonly buffer Stream {
+  StreamTestFragment stream[];
+};
 
 void main() {
   uint number;

@@ -11,7 +11,9 @@ layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/streaming/state.glsl"
 
 layout(set = 0, binding = STORAGE(STREAM_TEST_SLOT_RANGES), scalar) readonly buffer Ranges { uvec2 ranges[]; };
-layout(set = 0, binding = STORAGE(STREAM_TEST_SLOT_FRAGMENTS), scalar) readonly buffer Stream { StreamTestFragment fragments[]; };
+layout(set = 0, binding = STORAGE(STREAM_TEST_SLOT_FRAGMENTS), scalar) readonly buffer Stream {
+  StreamTestFragment fragments[];
+};
 layout(set = 0, binding = STORAGE(STREAM_TEST_SLOT_QUADS), scalar) writeonly buffer Quads { uvec4 quads[]; };
 
 void main() {

@@ -245,6 +245,10 @@ const tests = [
     await page.getByRole('button', {name: 'Error map'}).click();
     await viewIsDrawn(before);
     assert.match(await page.locator('.legend').innerText(), /0.*0\.25/s);
+    const {palettes} = await (await fetch(`${service.url}/api/palettes`)).json();
+    const bar = await page.locator('.legend-bar').evaluate((element) => element.style.background);
+    const colours = palettes.magma.map((colour) => `rgb(${[1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16)).join(', ')})`);
+    assert.equal(bar, `linear-gradient(to right, ${colours.join(', ')})`);
     assert.equal((await canvasPixel(0.5, 0.5))[3], 255);
     await shot('error-map');
     before = await shown();

@@ -20,7 +20,7 @@ mutations=(
   "Blinn-Phong lobe|shaders/include/brdf.glsl|s/(b.exponent + 8.0) \* (0.125/(b.exponent + 2.0) * (0.125/|the lobe's normalisation, which only shading=blinn_phong uses"
   "top-left rule|shaders/include/coverage.glsl|s/return along.y < 0 || (along.y == 0 \&\& along.x > 0);/return along.y < 0;/|samples on a level edge belong to no triangle"
   "merged depth|shaders/techniques/streaming/compress.glsl|s/merged.depth = min(a.depth, b.depth)/merged.depth = max(a.depth, b.depth)/|a merged surface keeps the farther depth"
-  "albedo mean|shaders/techniques/streaming/compress.glsl|s/precise float mean = root_a \* root_a \* weight_a + root_b \* root_b \* weight_b;/precise float linear = root_a * weight_a + root_b * weight_b, mean = linear * linear;/|albedo is averaged as stored, not as linear values"
+  "albedo mean|shaders/include/blending.glsl|s/precise float mean = root_a \* root_a \* w.a + root_b \* root_b \* w.b;/precise float linear = root_a * w.a + root_b * w.b, mean = linear * linear;/|albedo is averaged as stored, not as linear values"
   "depth reach|shaders/techniques/simple_complex/classification.glsl|s/abs(depths\[i\] - depth) > reach/abs(depths[i] - depth) > 2.0 * reach/|more pixels count as simple"
   "equal depths|shaders/frontend/visibility_small.frag|s/own < triangles\[q\]\[i\]/own > triangles[q][i]/|of equal depths of small triangles the last submitted stays"
   "shared depth|shaders/techniques/dcaa/merge.glsl|s/share >= 0.0 \&\& score/share >= 0.2 \&\& score/|surfaces merge only when their depths overlap by a fifth"

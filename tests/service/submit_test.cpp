@@ -1,6 +1,7 @@
 // `subpixel submit` against a service: what it prints, and which run it takes.
 #include <fstream>
 
+#include "replay/measure/maps.hpp"
 #include "replay/results/limits.hpp"
 #include "replay/results/results.hpp"
 #include "tests/service/service_fixture.hpp"
@@ -80,6 +81,10 @@ TEST_F(Submit, AnswerOfAnotherProgramIsNoMistakeOfOurs) {
 
 TEST_F(Submit, LimitsAreServed) {
   EXPECT_EQ(client().get("/api/limits").at("limits"), replay::limits_json());
+}
+
+TEST_F(Submit, PalettesAreServed) {
+  EXPECT_EQ(client().get("/api/palettes").at("palettes"), replay::palettes_json());
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ void make_everything() {
   raster.name = "litmus";
   raster.pipeline.vertex = "frontend/litmus.vert";
   raster.pipeline.fragment = "frontend/litmus.frag:ATTACHMENT";
-  raster.pipeline.targets = {{VK_FORMAT_R32G32B32A32_UINT}, VK_FORMAT_UNDEFINED, VK_SAMPLE_COUNT_1_BIT, true, true};
+  raster.pipeline.targets.ordered_read = raster.pipeline.targets.clear = true;
   raster.colours = {
       {recorder.image({"litmus", VK_FORMAT_R32G32B32A32_UINT, 8, 8, 1, 1, VK_SAMPLE_COUNT_1_BIT,
                        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT, false})}};

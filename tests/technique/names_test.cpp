@@ -20,7 +20,7 @@ void run_passes(gpu::Device& device) {
   raster.name = "draw in order";
   raster.pipeline.vertex = "frontend/litmus.vert";
   raster.pipeline.fragment = "frontend/litmus.frag:ATTACHMENT";
-  raster.pipeline.targets = {{VK_FORMAT_R32G32B32A32_UINT}, VK_FORMAT_UNDEFINED, VK_SAMPLE_COUNT_1_BIT, true, true};
+  raster.pipeline.targets.ordered_read = raster.pipeline.targets.clear = true;
   raster.colours = {{recorder.image({"states", VK_FORMAT_R32G32B32A32_UINT, 8, 8, 1, 2, VK_SAMPLE_COUNT_1_BIT,
                                      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT, false}),
                      1}};

@@ -17,11 +17,7 @@ namespace subpixel::gpu {
 namespace {
 
 Device& checking_device() {
-  static Device device([] {
-    DeviceOptions options;
-    options.check_interfaces = true;
-    return options;
-  }());
+  static Device device;
   return device;
 }
 
@@ -53,12 +49,12 @@ TEST(ShaderInterface, NamesAndSizesAreThoseOfTheSource) {
   const ShaderInterface& scan = interface_named(kScan);
   EXPECT_EQ(scan.push_bytes, 4u);
   ASSERT_EQ(scan.slots.size(), 1u);
-  EXPECT_EQ(scan.slots[0].binding, STORAGE(FRONTEND_SLOT_SUMS));
+  EXPECT_EQ(scan.slots[0].binding, kStorageBinding + FRONTEND_SLOT_SUMS);
   EXPECT_FALSE(scan.slots[0].name.empty());
   const ShaderInterface& gbuffer = interface_named("techniques/linked_list/gbuffer.frag");
   const auto allocation = std::ranges::find(gbuffer.constants, "ALLOCATION", &ShaderInterface::Constant::name);
   ASSERT_NE(allocation, gbuffer.constants.end());
-  EXPECT_EQ(allocation->id, LINK_CONSTANT_ALLOCATION);
+  EXPECT_EQ(allocation->id, std::uint32_t{LINK_CONSTANT_ALLOCATION});
   const auto material = std::ranges::find(gbuffer.slots, 1u, &ShaderInterface::Slot::set);
   ASSERT_NE(material, gbuffer.slots.end());
   EXPECT_EQ(material->name, "base_colour_texture");
@@ -139,6 +135,28 @@ TEST(ShaderInterface, AForgottenAddressIsNamed) {
   EXPECT_NE(list_small(false).find("address records of its push constants"), std::string::npos) << list_small(false);
   EXPECT_NE(list_small(false).find("the buffer records"), std::string::npos) << list_small(false);
   EXPECT_EQ(list_small(true), "");
+}
+
+TEST(ShaderInterface, AnotherPipelineOfThePassIsHeldToItToo) {
+  PassRecorder recorder(checking_device());
+  Image& image = recorder.image({"states", VK_FORMAT_R32G32B32A32_UINT, 4, 4, 1, 1, VK_SAMPLE_COUNT_1_BIT,
+                                 VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT, false});
+  RasterPass pass;
+  pass.name = "litmus";
+  pass.pipeline.vertex = "frontend/litmus.vert";
+  pass.pipeline.fragment = "frontend/litmus.frag:ATTACHMENT";
+  pass.pipeline.targets.ordered_read = pass.pipeline.targets.clear = true;
+  pass.colours = {{image}};
+  pass.clear_colours = {{}};
+  EXPECT_NO_THROW(recorder.raster(pass));
+  pass.alternatives = {pass.pipeline};
+  pass.alternatives[0].fragment = "frontend/litmus.frag:BUFFER";
+  try {
+    recorder.raster(pass);
+    ADD_FAILURE() << "taken";
+  } catch (const std::logic_error& error) {
+    EXPECT_NE(std::string(error.what()).find("the constant WIDTH"), std::string::npos) << error.what();
+  }
 }
 
 // A buffer of addresses says what they lead to.

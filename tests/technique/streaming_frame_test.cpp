@@ -73,7 +73,7 @@ PixelStreams streams_of(const StreamingSetup& setup, const WordLayout& layout) {
 std::vector<std::uint32_t> state_of(const StreamingSetup& setup, const WordLayout& layout) {
   gpu::Device& device = setup.frontend.device();
   gpu::PassRecorder recorder(device);
-  const replay::StreamingState state = record_streaming(recorder, setup);
+  const replay::OrderedState state = record_streaming(recorder, setup);
   recorder.run();
   const std::size_t pixels = std::size_t{setup.width} * setup.height, quads = layout.quads();
   std::vector<std::uint32_t> words(pixels * quads * 4);

@@ -23,7 +23,6 @@ class Validation : public testing::Test {
     std::vector<std::string> said;
     gpu::DeviceOptions options;
     options.validation_messages = &said;
-    options.check_interfaces = true;
     {
       gpu::Device device(options);
       work(device, said);

@@ -48,7 +48,7 @@ TEST_F(Validation, ARecordedPassIsNamed) {
     gpu::RasterPass pass;
     pass.pipeline.vertex = "frontend/litmus.vert";
     pass.pipeline.fragment = "frontend/litmus.frag:ATTACHMENT";
-    pass.pipeline.targets = {{VK_FORMAT_R32G32B32A32_UINT}, VK_FORMAT_UNDEFINED, VK_SAMPLE_COUNT_1_BIT, true, true};
+    pass.pipeline.targets.ordered_read = pass.pipeline.targets.clear = true;
     pass.colours = {{target}};
     pass.clear_colours = {{}};
     for (const float width : {8.0f, 0.0f, 4.0f}) {

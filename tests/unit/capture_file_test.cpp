@@ -150,6 +150,10 @@ TEST_F(CaptureFile, IsWrittenWholeOrNotAtAll) {
   const std::vector<std::byte> bytes = encode_capture(small_capture());
   EXPECT_EQ(content_hash_hex(path), content_hash_hex(bytes));
   EXPECT_EQ(content_hash_hex(path).size(), 32u);
+  ContentHasher pieces;
+  pieces.add(std::span(bytes).first(1));
+  pieces.add(std::span(bytes).subspan(1));
+  EXPECT_EQ(pieces.hash().hex(), content_hash_hex(bytes));
 
   // A limit on the file's size stands for a full disk.
   const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);

@@ -228,6 +228,13 @@ TEST(LimitText, OnlyDecimalDigitsAreNumbers) {
   }
 }
 
+TEST(Size, IsWidthAndHeightWithinTheirLimits) {
+  EXPECT_EQ(parse_size("1280x720", "--size"), (std::pair<std::uint32_t, std::uint32_t>(1280, 720)));
+  for (const char* text : {"", "64", "x", "64x", "x64", "64x64x64", "0x64", "64x16385", "64 x64", "64X64"}) {
+    EXPECT_THROW(parse_size(text, "--size"), UsageError) << text;
+  }
+}
+
 TEST(LimitTable, IsWhatTheApiSends) {
   const json table = limits_json();
   ASSERT_EQ(table.size(), limits().size());

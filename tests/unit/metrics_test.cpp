@@ -189,6 +189,13 @@ TEST(Percentiles, AgreeWithASortedCopy) {
   }
 }
 
+TEST(Median, IsTheMiddleOneOrTheMeanOfTheMiddleTwo) {
+  EXPECT_EQ(median({3}), 3);
+  EXPECT_EQ(median({9, 1, 4}), 4);
+  EXPECT_EQ(median({8, 1, 3, 2}), 2.5);
+  EXPECT_EQ(median({5, 5, 1, 5}), 5);
+}
+
 TEST(Percentiles, OfEqualValuesAreThatValue) {
   const std::vector<float> zeros(100, 0.0F);
   EXPECT_EQ(Percentiles(zeros).at(0.99), 0);

@@ -7,11 +7,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <tuple>
 
 #include "base/error.hpp"
 #include "base/failure.hpp"
 #include "bench/report/document.hpp"
 #include "bench/report/store.hpp"
+#include "replay/results/limits.hpp"
 
 namespace subpixel::report {
 namespace {
@@ -33,16 +35,9 @@ std::string command_of(const Arguments& arguments) {
   return command;
 }
 
-void parse_size(Arguments& arguments) {
-  if (arguments.size.empty()) return;
-  char more = 0;
-  if (std::sscanf(arguments.size.c_str(), "%ux%u%c", &arguments.plan.width, &arguments.plan.height, &more) != 2 ||
-      arguments.plan.width == 0 || arguments.plan.height == 0)
-    throw UsageError("size", fmt::format("'{}' is not WIDTHxHEIGHT", arguments.size), "--size");
-}
-
 void run(Arguments arguments) {
-  parse_size(arguments);
+  PlanOptions& wanted = arguments.plan;
+  if (!arguments.size.empty()) std::tie(wanted.width, wanted.height) = replay::parse_size(arguments.size, "--size");
   const std::filesystem::path root = SUBPIXEL_SOURCE_DIR;
   const std::filesystem::path quick = arguments.plan.quick ? "quick" : "";
   if (arguments.folder.empty()) arguments.folder = root / "build/report" / quick;

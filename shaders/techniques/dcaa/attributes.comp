@@ -14,7 +14,9 @@ layout(local_size_x = 64) in;
 #include "techniques/dcaa/listed.glsl"
 
 layout(set = 0, binding = STORAGE(DCAA_SLOT_VIEW), scalar) readonly buffer ViewBlock { DcaaView view; };
-layout(set = 0, binding = STORAGE(DCAA_SLOT_SURFACES), scalar) readonly buffer SurfacesAddress { ListedSurfaces surfaces; };
+layout(set = 0, binding = STORAGE(ORDERED_SLOT_SURFACES), scalar) readonly buffer SurfacesAddress {
+  ListedSurfaces surfaces;
+};
 
 void main() {
   uint number;

@@ -2,7 +2,6 @@
 #ifndef SUBPIXEL_DCAA_INTERFACE_H
 #define SUBPIXEL_DCAA_INTERFACE_H
 
-#include "../../frontend/frontend_interface.h"
 #include "../../include/ordered_state.h"
 #include "../../include/shared_types.h"
 #include "../agaa/agaa_interface.h"
@@ -38,10 +37,9 @@ namespace subpixel::gpu_types {
 #define DCAA_NORMAL_3X8 2u  // three components
 #define DCAA_NORMAL_3X32 3u
 
-// Storage; slot 0 is the state's, or the lists'.
+// Storage, beside those of ordered_state.h.
 #define DCAA_SLOT_TABLE 1
 #define DCAA_SLOT_VIEW 2
-#define DCAA_SLOT_SURFACES 3  // the address of the listed fragments' surfaces
 // Sampled.
 #define DCAA_SLOT_BOUND 0  // of the pass that merges, whose state is not sampled
 #define DCAA_SLOT_FOUND 1
@@ -81,37 +79,15 @@ struct DcaaView {
   vec4 terms;
 };
 
-BUFFER_REFERENCE(ListedSurfaces)
-BUFFER_REFERENCE(KeptCounts)
-
 // Of each listed fragment that is kept.
 struct DcaaListedSurface {
   uvec4 words;  // facet, depth bits, albedo, normal
   uvec4 more;   // roughness, emission, the facet's further words
 };
 
-// Of keep.comp.
-struct DcaaKeepPush {
-  ListAddresses lists;
-  ADDRESS(Records) records;
-  ADDRESS(KeptCounts) kept;
-  uint width, height;
-};
-
-// Of merge_lists.comp.
-struct DcaaMergePush {
-  ListAddresses lists;
-  ADDRESS(ListedSurfaces) surfaces;
-  ADDRESS(KeptCounts) kept;
-  ADDRESS(StateQuads) state;
-  uint width, height;
-};
-
 #ifdef __cplusplus
 static_assert(sizeof(DcaaView) == 112);
 static_assert(sizeof(DcaaListedSurface) == 32);
-static_assert(sizeof(DcaaKeepPush) == 56);
-static_assert(sizeof(DcaaMergePush) == 64);
 }  // namespace subpixel::gpu_types
 #endif
 #endif

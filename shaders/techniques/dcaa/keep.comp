@@ -9,13 +9,14 @@ layout(local_size_x = 64) in;
 #include "techniques/dcaa/dcaa_interface.h"
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "frontend/fragment_lists.glsl"
+#include "include/ordered_state_lists.glsl"
 #include "techniques/dcaa/surface.glsl"
 #include "techniques/dcaa/coverage.glsl"
 #include "techniques/dcaa/depth_bound.glsl"
 #include "techniques/dcaa/listed.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
-layout(push_constant, scalar) uniform Push { DcaaKeepPush push; };
+layout(push_constant, scalar) uniform Push { OrderedKeepPush push; };
 
 #include "frontend/read_ahead.glsl"
 
@@ -78,5 +79,5 @@ void main() {
       }
     }
   }
-  push.kept.kept[p] = place - range.x;
+  push.kept.count[p] = place - range.x;
 }

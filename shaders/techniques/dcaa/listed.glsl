@@ -8,7 +8,5 @@
 const uint kKept = 0x80000000u, kNothing = 0xffffffffu;
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ListedSurfaces { DcaaListedSurface surface[]; };
-// How many fragments of each pixel are kept; their numbers stand first in its part of the list.
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer KeptCounts { uint kept[]; };
 
 #endif

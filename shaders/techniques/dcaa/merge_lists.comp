@@ -8,19 +8,19 @@ layout(local_size_x = 64) in;
 #include "techniques/dcaa/dcaa_interface.h"
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "frontend/fragment_lists.glsl"
+#include "include/ordered_state_lists.glsl"
 #include "techniques/dcaa/merge.glsl"
 #include "techniques/dcaa/state.glsl"
 #include "techniques/dcaa/listed.glsl"
 
 layout(set = 0, binding = STORAGE(DCAA_SLOT_VIEW), scalar) readonly buffer ViewBlock { DcaaView view; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer StateQuads { uvec4 quads[]; };
-layout(push_constant, scalar) uniform Push { DcaaMergePush push; };
+layout(push_constant, scalar) uniform Push { OrderedMergePush push; };
 
 void main() {
   ivec2 pixel = invocation_pixel(gl_WorkGroupID.xy, gl_LocalInvocationID.x);
   if (any(greaterThanEqual(pixel, ivec2(push.width, push.height)))) return;
   uint p = uint(pixel.y) * push.width + uint(pixel.x);
-  uint begin = list_range(push.lists, p).x, end = begin + push.kept.kept[p];
+  uint begin = list_range(push.lists, p).x, end = begin + push.kept.count[p];
   DcaaState state;
   for (uint i = 0u; i < MAX_STATE_WORDS; ++i) state.word[i] = 0u;
   DcaaSurface surface[DCAA_MAX_SURFACES];

@@ -9,7 +9,8 @@
 
 layout(constant_id = DCAA_CONSTANT_SURFACES) const uint SURFACES = 4u;
 layout(constant_id = DCAA_CONSTANT_COS_NORMAL_ANGLE) const float COS_NORMAL_ANGLE = 0.98078528;
-layout(constant_id = DCAA_CONSTANT_OPTIONS) const uint DCAA_OPTIONS = DCAA_SECOND_MERGE | DCAA_KEEP_FRONT | DCAA_TABLE | DCAA_PREPASS;
+layout(constant_id = DCAA_CONSTANT_OPTIONS) const uint DCAA_OPTIONS =
+    DCAA_SECOND_MERGE | DCAA_KEEP_FRONT | DCAA_TABLE | DCAA_PREPASS;
 layout(constant_id = DCAA_CONSTANT_NORMAL_FORMAT) const uint NORMAL_FORMAT = DCAA_NORMAL_2X16;
 layout(constant_id = DCAA_CONSTANT_DEPTH_BITS) const uint DEPTH_BITS = 24u;
 
@@ -101,7 +102,8 @@ uvec3 dcaa_moments_of(uint normal) {
   precise vec3 squares = n * n * 65535.0;
   precise vec3 products = (n.xxy * n.yzz * 0.5 + 0.5) * 65535.0;
   uvec3 words;
-  for (uint c = 0u; c < 3u; ++c) words[c] = (round_to_even(squares[c]) & 0xffffu) | (round_to_even(products[c]) & 0xffffu) << 16;
+  for (uint c = 0u; c < 3u; ++c)
+    words[c] = (round_to_even(squares[c]) & 0xffffu) | (round_to_even(products[c]) & 0xffffu) << 16;
   return words;
 }
 void dcaa_moments(uvec3 words, out vec3 squares, out vec3 products) {

@@ -12,7 +12,9 @@ layout(local_size_x = 64) in;
 #include "techniques/streaming/fragment.glsl"
 #include "techniques/streaming/listed.glsl"
 
-layout(set = 0, binding = STORAGE(STREAM_SLOT_SURFACES), scalar) readonly buffer SurfacesAddress { ListedSurfaces surfaces; };
+layout(set = 0, binding = STORAGE(ORDERED_SLOT_SURFACES), scalar) readonly buffer SurfacesAddress {
+  ListedSurfaces surfaces;
+};
 
 void main() {
   uint number;

@@ -16,7 +16,8 @@
 
 layout(constant_id = STREAM_CONSTANT_SURFACES) const uint SURFACES = 3u;
 layout(constant_id = STREAM_CONSTANT_COS_NORMAL_ANGLE) const float COS_NORMAL_ANGLE = 0.70710678;
-layout(constant_id = STREAM_CONSTANT_OPTIONS) const uint STREAM_OPTIONS = STREAM_MERGE_NORMALS | STREAM_MERGE_DEPTH | STREAM_MERGE_COVERAGE;
+layout(constant_id = STREAM_CONSTANT_OPTIONS) const uint STREAM_OPTIONS =
+    STREAM_MERGE_NORMALS | STREAM_MERGE_DEPTH | STREAM_MERGE_COVERAGE;
 
 bool stream_option(uint option) { return (STREAM_OPTIONS & option) != 0u; }
 

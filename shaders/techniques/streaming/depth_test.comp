@@ -9,13 +9,12 @@ layout(local_size_x = 64) in;
 #include "techniques/streaming/streaming_interface.h"
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "frontend/fragment_lists.glsl"
+#include "include/ordered_state_lists.glsl"
 #include "techniques/streaming/compress.glsl"
 #include "techniques/streaming/state.glsl"
-#include "techniques/streaming/listed.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Records { TriangleRecord record[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer StateQuads { uvec4 quads[]; };
-layout(push_constant, scalar) uniform Push { StreamDepthTestPush push; };
+layout(push_constant, scalar) uniform Push { OrderedKeepPush push; };
 #include "frontend/read_ahead.glsl"
 
 void main() {
@@ -51,6 +50,6 @@ void main() {
       }
     }
   }
-  push.passed.passed[p] = kept - begin;
+  push.kept.count[p] = kept - begin;
   for (uint k = 0u; k < DEPTH_QUADS; ++k) push.state.quads[p * STATE_QUADS + k] = depths[k];
 }

@@ -6,7 +6,5 @@
 #include "techniques/streaming/streaming_interface.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer ListedSurfaces { StreamListedSurface surface[]; };
-// How many fragments of each pixel passed; their numbers stand first in its part of the list.
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PassedCounts { uint passed[]; };
 
 #endif

@@ -8,18 +8,18 @@ layout(local_size_x = 64) in;
 #include "techniques/streaming/streaming_interface.h"
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "frontend/fragment_lists.glsl"
+#include "include/ordered_state_lists.glsl"
 #include "techniques/streaming/compress.glsl"
 #include "techniques/streaming/state.glsl"
 #include "techniques/streaming/listed.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer StateQuads { uvec4 quads[]; };
-layout(push_constant, scalar) uniform Push { StreamMergePush push; };
+layout(push_constant, scalar) uniform Push { OrderedMergePush push; };
 
 void main() {
   ivec2 pixel = invocation_pixel(gl_WorkGroupID.xy, gl_LocalInvocationID.x);
   if (any(greaterThanEqual(pixel, ivec2(push.width, push.height)))) return;
   uint p = uint(pixel.y) * push.width + uint(pixel.x);
-  uint begin = list_range(push.lists, p).x, end = begin + push.passed.passed[p];
+  uint begin = list_range(push.lists, p).x, end = begin + push.kept.count[p];
   StreamList list;
   for (uint i = 0u; i < MAX_LIST_WORDS; ++i) list.word[i] = 0u;
   uint word;

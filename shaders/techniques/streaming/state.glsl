@@ -1,7 +1,4 @@
 // A pixel's compressed state as 32-bit words: n sample depths, the count word, SURFACES surfaces.
-// Words lie in colour attachments of four words each while ATTACHMENTS > 0, so that reads and writes of a pixel's
-// fragments are ordered by VK_EXT_rasterization_order_attachment_access. States of more than 32 words (ATTACHMENTS 0) lie
-// in a buffer, one pixel's words together; their order is that of the device's fragments, proven at start-up.
 // Needs compress.glsl and SAMPLES before it.
 #ifndef SUBPIXEL_STREAMING_STATE_GLSL
 #define SUBPIXEL_STREAMING_STATE_GLSL

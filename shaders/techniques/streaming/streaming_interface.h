@@ -2,7 +2,6 @@
 #ifndef SUBPIXEL_STREAMING_INTERFACE_H
 #define SUBPIXEL_STREAMING_INTERFACE_H
 
-#include "../../frontend/frontend_interface.h"
 #include "../../include/ordered_state.h"
 #include "../../include/shared_types.h"
 
@@ -22,8 +21,6 @@ namespace subpixel::gpu_types {
 #define STREAM_WEIGHT_COVERAGE 8u  // a merge weights both sides by their samples, not equally
 #define STREAM_CLIP_SPACE 16u      // depths and slopes of reversed depth, not of the distance along the view
 #define STREAM_DEPTH_TESTED 32u    // beyond the paper: the depth test of each sample decides what hides it
-
-#define STREAM_SLOT_SURFACES 1  // storage: the address of the listed fragments' surfaces
 
 // The count word (Kerzner and Salvi 2014, section 4): how many surfaces, their slots from front to back with two bits
 // each, and whether one that was still visible has been discarded. The paper uses 9 of its 32 bits for three surfaces;
@@ -46,37 +43,14 @@ namespace subpixel::gpu_types {
 #define STREAM_STATE_QUADS(samples, features, surfaces) \
   ORDERED_QUADS_OF((samples) + 1u + (surfaces) * STREAM_SURFACE_WORDS(samples, features))
 
-BUFFER_REFERENCE(ListedSurfaces)
-BUFFER_REFERENCE(PassedCounts)
-
 // Of each listed fragment that passed the depth test.
 struct StreamListedSurface {
   uvec4 words;  // depth bits, slopes, albedo, normal
   uvec2 more;   // roughness, emission
 };
 
-// Of depth_test.comp.
-struct StreamDepthTestPush {
-  ListAddresses lists;
-  ADDRESS(Records) records;
-  ADDRESS(StateQuads) state;
-  ADDRESS(PassedCounts) passed;
-  uint width, height;
-};
-
-// Of merge.comp.
-struct StreamMergePush {
-  ListAddresses lists;
-  ADDRESS(ListedSurfaces) surfaces;
-  ADDRESS(StateQuads) state;
-  ADDRESS(PassedCounts) passed;
-  uint width, height;
-};
-
 #ifdef __cplusplus
 static_assert(sizeof(StreamListedSurface) == 24);
-static_assert(sizeof(StreamDepthTestPush) == 64);
-static_assert(sizeof(StreamMergePush) == 64);
 }  // namespace subpixel::gpu_types
 #endif
 #endif

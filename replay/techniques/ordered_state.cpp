@@ -1,0 +1,113 @@
+#include "replay/techniques/ordered_state.hpp"
+
+#include <algorithm>
+
+#include "replay/frame/frame_images.hpp"
+#include "shaders/include/ordered_state.h"
+
+namespace subpixel::replay {
+namespace {
+
+// Pixels to allot to a buffer that full-screen passes read by address: devices shade whole blocks of up to 4x4 pixels,
+// of which those beyond the border read, too.
+std::uint64_t state_pixels(const FrameSetup& setup) {
+  return std::uint64_t{setup.width} * ((setup.height + 3) / 4 * 4) + 4;
+}
+
+// INTERLOCK where the device orders accesses to buffers, else BUFFER, whose order the start-up litmus has proven.
+const char* buffer_variant(const gpu::Device& device) {
+  return device.info().pixel_interlock ? "INTERLOCK" : "BUFFER";
+}
+
+gpu::AddressTable& address_of(gpu::PassRecorder& recorder, gpu::Buffer& buffer) {
+  gpu::AddressTable& table = recorder.address_table(buffer.name() + " address", sizeof(VkDeviceAddress));
+  table.set(table.of(buffer));
+  return table;
+}
+
+}  // namespace
+
+void OrderedState::bind(gpu::RasterPass& pass) const {
+  pass.bindings.push_back(image != nullptr ? gpu::samples(ORDERED_SLOT_ATTACHMENTS, *image)
+                                           : gpu::reads(ORDERED_SLOT_ADDRESS, *address));
+}
+
+OrderedState make_ordered_state(gpu::PassRecorder& recorder, const FrameSetup& setup, const std::string& name,
+                                std::uint32_t quads, bool from_lists) {
+  OrderedState state;
+  if (quads <= ORDERED_MOST_ATTACHMENTS && !from_lists) {
+    state.image = &target_array(recorder, setup, name, VK_FORMAT_R32G32B32A32_UINT,
+                                std::max<std::uint32_t>(quads, ORDERED_FEWEST_ATTACHMENTS));
+  } else {
+    state.words = &recorder.buffer(name, state_pixels(setup) * quads * 16);
+    state.address = &address_of(recorder, *state.words);
+  }
+  return state;
+}
+
+void record_ordered(gpu::PassRecorder& recorder, const FrameSetup& setup, const OrderedState& state,
+                    Frontend::GeometryPass geometry, const std::string& shader) {
+  geometry.by_material = true;
+  if (state.image != nullptr) {
+    geometry.fragment_opaque = shader + ":" + std::to_string(state.image->description().layers);
+    attach_ordered(geometry.pass, *state.image);
+  } else {
+    geometry.fragment_opaque = shader + ":" + buffer_variant(recorder.device());
+    recorder.fill(geometry.pass.name, *state.words, 0);
+    geometry.pass.bindings.push_back(gpu::writes(ORDERED_SLOT_ADDRESS, *state.address));
+    geometry.pass.size = {setup.width, setup.height};
+  }
+  setup.frontend.record_geometry(recorder, std::move(geometry));
+}
+
+void attach_ordered(gpu::RasterPass& pass, gpu::Image& image) {
+  pass.pipeline.targets.ordered_read = true;
+  pass.pipeline.targets.clear = true;
+  for (std::uint32_t i = 0; i < image.description().layers; ++i) pass.colours.emplace_back(image, i);
+  pass.clear_colours.assign(pass.colours.size(), {});
+}
+
+ListedState::ListedState(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+                         const OrderedState& state, std::uint64_t surface_bytes)
+    : recorder_(recorder),
+      setup_(setup),
+      lists_(lists),
+      state_(state),
+      kept_(recorder.buffer("kept fragments", std::uint64_t{setup.width} * setup.height * 4)),
+      surfaces_(recorder.buffer("fragment surfaces", lists.count * surface_bytes)),
+      surfaces_address_(address_of(recorder, surfaces_)) {}
+
+gpu::Binding ListedState::surfaces() const {
+  return gpu::writes(ORDERED_SLOT_SURFACES, surfaces_address_);
+}
+
+void ListedState::record_keep(gpu::ComputePass pass) const {
+  const gpu_types::OrderedKeepPush push{.lists = lists_.writes(pass),
+                                        .records = pass.reads(setup_.frontend.records()),
+                                        .kept = pass.writes(kept_),
+                                        .state = pass.writes(*state_.words),
+                                        .width = setup_.width,
+                                        .height = setup_.height};
+  pass.push = gpu::PushConstants(push);
+  record(std::move(pass));
+}
+
+void ListedState::record_merge(gpu::ComputePass pass) const {
+  const gpu_types::OrderedMergePush push{.lists = lists_.reads(pass),
+                                         .surfaces = pass.reads(surfaces_),
+                                         .kept = pass.reads(kept_),
+                                         .state = pass.writes(*state_.words),
+                                         .width = setup_.width,
+                                         .height = setup_.height};
+  pass.push = gpu::PushConstants(push);
+  record(std::move(pass));
+}
+
+void ListedState::record(gpu::ComputePass pass) const {
+  for (const auto& constant : setup_.frontend.constants()) pass.constants.push_back(constant);
+  pass.bindings.push_back(gpu::uniform(setup_.scene.frame_constants));
+  pass.groups = {(setup_.width + 7) / 8, (setup_.height + 7) / 8, 1};
+  recorder_.compute(std::move(pass));
+}
+
+}  // namespace subpixel::replay

@@ -1,0 +1,66 @@
+// What techniques share whose fragments go into a state of their pixel in submission order: where the state lies, the
+// ordered pass or the passes over fragment lists that fill it, and how later passes read it. The shaders' side is
+// shaders/include/ordered_state*.glsl; what a fragment does to the state is the technique's.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "replay/frame/frame_setup.hpp"
+#include "replay/frontend/fragment_lists.hpp"
+
+namespace subpixel::replay {
+
+// Each pixel's 32-bit words, in one of the two: four each in the layers of an RGBA32UI image, or together, pixel after
+// pixel, row by row.
+struct OrderedState {
+  gpu::Image* image = nullptr;
+  gpu::Buffer* words = nullptr;
+  gpu::AddressTable* address = nullptr;  // of the words
+
+  // Variant of shaders that read the state: IMAGE or BUFFER.
+  std::string variant() const { return image != nullptr ? "IMAGE" : "BUFFER"; }
+  // Binds what they read.
+  void bind(gpu::RasterPass& pass) const;
+};
+
+// A state of `quads` times four words a pixel. Up to 32 words lie in attachments, whose order the device promises;
+// more, and what lists fill, in a buffer.
+OrderedState make_ordered_state(gpu::PassRecorder& recorder, const FrameSetup& setup, const std::string& name,
+                                std::uint32_t quads, bool from_lists);
+
+// Clears the state and puts the frame's fragments into it one by one. `geometry` comes with name, constants and
+// bindings; `shader` has a variant for each number of attachments and for buffers, with and without interlock.
+void record_ordered(gpu::PassRecorder& recorder, const FrameSetup& setup, const OrderedState& state,
+                    Frontend::GeometryPass geometry, const std::string& shader);
+
+// Every layer of `image` becomes a cleared attachment of `pass`, whose fragments read what those before left there.
+void attach_ordered(gpu::RasterPass& pass, gpu::Image& image);
+
+// The same state filled by passes over fragment lists: one over pixels sorts each list and keeps some of its fragments,
+// the technique makes surfaces of those, another pass over pixels merges them.
+class ListedState {
+ public:
+  // `surface_bytes`: what the technique keeps of a fragment. `lists` and `state` outlive this.
+  ListedState(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists,
+              const OrderedState& state, std::uint64_t surface_bytes);
+
+  // For the pass that makes the surfaces.
+  gpu::Binding surfaces() const;
+  // Passes with the push constants OrderedKeepPush and OrderedMergePush. `pass` comes with name, shader, the
+  // technique's constants and bindings.
+  void record_keep(gpu::ComputePass pass) const;
+  void record_merge(gpu::ComputePass pass) const;
+
+ private:
+  void record(gpu::ComputePass pass) const;
+
+  gpu::PassRecorder& recorder_;
+  const FrameSetup& setup_;
+  const FragmentLists& lists_;
+  const OrderedState& state_;
+  gpu::Buffer &kept_, &surfaces_;
+  gpu::AddressTable& surfaces_address_;
+};
+
+}  // namespace subpixel::replay
