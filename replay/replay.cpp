@@ -17,7 +17,6 @@
 #include "replay/measure/flip.hpp"
 #include "replay/measure/maps.hpp"
 #include "replay/measure/metrics.hpp"
-#include "replay/measure/percentiles.hpp"
 #include "replay/reference/reference.hpp"
 #include "replay/reference/reference_cache.hpp"
 #include "replay/results/limits.hpp"
@@ -46,14 +45,14 @@ std::vector<TechniqueSetting> plan(const ReplayOptions& options) {
   return planned;
 }
 
-std::pair<std::uint32_t, std::uint32_t> frame_range(const ReplayOptions& options, std::size_t frames) {
+std::pair<std::uint32_t, std::uint32_t> require_frames(const ReplayOptions& options, std::size_t frames) {
   if (frames == 0) throw InputError("capture", "it has no frames", "frames");
-  const auto last = static_cast<std::uint32_t>(frames - 1);
-  if (!options.frames) return {0, last};
-  const auto [first, end] = *options.frames;
-  if (first > end || end > last)
-    throw UsageError("frames", fmt::format("{}-{} is not within 0-{}", first, end, last), "--frames");
-  return *options.frames;
+  const auto wanted = frames_of(options, frames);
+  if (!wanted)
+    throw UsageError("frames",
+                     fmt::format("{}-{} is not within 0-{}", options.frames->first, options.frames->second, frames - 1),
+                     "--frames");
+  return *wanted;
 }
 
 // Shading model and whether samples are tone-mapped: techniques that differ in them have different references.
@@ -149,7 +148,7 @@ bool Replay::skipped(std::uint32_t frame, std::size_t which) const {
 }
 
 Results Replay::run() {
-  const auto [first, last] = frame_range(options_, capture_.frames.size());
+  const auto [first, last] = require_frames(options_, capture_.frames.size());
   kResultsLimit.require((std::uint64_t{last} - first + 1) * planned_.size());
   std::vector<std::string_view> names;
   for (const TechniqueSetting& planned : planned_) names.push_back(planned.technique->name);

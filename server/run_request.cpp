@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-
 #include "base/error.hpp"
 #include "base/json_document.hpp"
 #include "base/json_fields.hpp"
@@ -95,12 +92,15 @@ RunRequest parse_run_request(std::string_view body) {
 
 std::uint64_t resolve_frames(replay::ReplayOptions& options, std::uint32_t frame_count) {
   if (frame_count == 0) throw InputError(std::string(kWhat), "the capture has no frames", "capture");
-  if (!options.frames) options.frames = {0, frame_count - 1};
-  const auto [first, last] = *options.frames;
-  if (first > last || last >= frame_count) {
+  const auto wanted = replay::frames_of(options, frame_count);
+  if (!wanted) {
     throw InputError(std::string(kWhat),
-                     fmt::format("expected first <= last <= {}, got [{}, {}]", frame_count - 1, first, last), "frames");
+                     fmt::format("expected first <= last <= {}, got [{}, {}]", frame_count - 1, options.frames->first,
+                                 options.frames->second),
+                     "frames");
   }
+  options.frames = wanted;
+  const auto [first, last] = *wanted;
   const std::uint64_t results = (std::uint64_t{last} - first + 1) * options.techniques.size();
   if (!replay::kResultsLimit.holds(results)) {
     throw InputError(std::string(kWhat), "results: " + replay::kResultsLimit.refusal(std::to_string(results)),

@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include "replay/measure/percentiles.hpp"
+
 namespace subpixel::replay {
 namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
 
 template <typename T>
 std::vector<T> texels_of(gpu::Device& device, gpu::Image& image) {

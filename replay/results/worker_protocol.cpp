@@ -70,6 +70,15 @@ ReplayOptions options_from_field(const JsonField& field) {
 
 }  // namespace
 
+std::optional<std::pair<std::uint32_t, std::uint32_t>> frames_of(const ReplayOptions& options,
+                                                                 std::size_t frame_count) {
+  if (frame_count == 0) return std::nullopt;
+  const auto all = std::pair(0u, static_cast<std::uint32_t>(frame_count - 1));
+  const auto [first, last] = options.frames.value_or(all);
+  if (first > last || last > all.second) return std::nullopt;
+  return std::pair(first, last);
+}
+
 json to_json(const ReplayJob& job) {
   return {{"capture", job.capture.string()},
           {"out_dir", job.out_dir.string()},

@@ -34,6 +34,10 @@ struct ReplayOptions {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> skip;
 };
 
+// The frames, both included, that are asked for of a capture with `frame_count` of them: all where none are named,
+// nothing where it does not have them.
+std::optional<std::pair<std::uint32_t, std::uint32_t>> frames_of(const ReplayOptions& options, std::size_t frame_count);
+
 struct ReplayJob {
   std::filesystem::path capture;
   std::filesystem::path out_dir;    // images and maps go here
