@@ -150,8 +150,9 @@ class Checker:
         available = len(capture.buffers[stream.buffer].bytes)
         if draw.vertex_count:
             end = stream.offset + (draw.vertex_count - 1) * stream.stride + size
-            self.require(end <= available, name + ".offset", "{} vertices at byte {} leave the buffer's {} bytes".format(
-                draw.vertex_count, stream.offset, available))
+            self.require(end <= available, name + ".offset",
+                         "{} vertices at byte {} leave the buffer's {} bytes".format(draw.vertex_count, stream.offset,
+                                                                                     available))
 
     def _indices(self, capture, draw):
         self.require(draw.index_count % 3 == 0, "index_count", "{} is no multiple of 3".format(draw.index_count))

@@ -321,7 +321,8 @@ class _CaptureReader:
                 capture.textures.append(self._texture(fields))
                 checker.texture(capture.textures[-1])
             elif chunk.kind == b"MATL":
-                for i in range(fields.count("materials", layout.MOST_OF["materials"], 188 if fields.version >= 2 else 68)):
+                least_bytes = 188 if fields.version >= 2 else 68
+                for i in range(fields.count("materials", layout.MOST_OF["materials"], least_bytes)):
                     fields.record = "material {}".format(i)
                     capture.materials.append(_material(fields))
                     checker.material(capture.materials[-1], len(capture.textures))

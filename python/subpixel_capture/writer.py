@@ -1,4 +1,4 @@
-"""Captures to bytes: version 2, CRC-32, each chunk deflated where that makes it smaller. Standard library, Python 3.6."""
+"""Captures to bytes: version 2, CRC-32, each chunk deflated where that makes it smaller."""
 import hashlib
 import io
 import os

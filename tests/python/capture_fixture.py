@@ -28,7 +28,8 @@ def small_capture():
     moved = spcap.IDENTITY[:12] + (3.0, 0.0, 0.0, 1.0)
     more = b"".join(struct.pack("<2f4B", i, 0.5, 255, 0, i, 9) for i in range(4))
     leaf = spcap.Material(
-        name="leaf \u2013 green", roughness=0.75, base_colour=(0.25, 0.5, 0.125, 1.0), base_colour_texture=0, normal_texture=1,
+        name="leaf \u2013 green", roughness=0.75, base_colour=(0.25, 0.5, 0.125, 1.0), base_colour_texture=0,
+        normal_texture=1,
         alpha_mode=spcap.AlphaMode.TEST, alpha_cutoff=0.25, emissive=(0.0, 1.5, 20.0), two_sided=True,
         normal_scale=-0.5, unlit=True, base_colour_uv=spcap.UvMapping(set=1, matrix=(2.0, 0.0, 0.25, 0.0, 3.0, -1.0)))
     indexed = spcap.Draw(
@@ -41,7 +42,8 @@ def small_capture():
     plain = spcap.Draw(name="list", position=spcap.VertexStream(buffer=0, stride=20), index_count=3, base_vertex=1,
                        vertex_count=4, transform=moved)
     first = spcap.Frame(
-        name="first", time_s=0.5, sky=(0.0, 0.5, 2.0), ambient=(0.25, 0.0, 0.0), projection=(1.0, 0, 0, 0, 0, -1.0, 0, 0, 0, 0, 0, -1.0, 0, 0, 0.125, 0), width=64,
+        name="first", time_s=0.5, sky=(0.0, 0.5, 2.0), ambient=(0.25, 0.0, 0.0),
+        projection=(1.0, 0, 0, 0, 0, -1.0, 0, 0, 0, 0, 0, -1.0, 0, 0, 0.125, 0), width=64,
         height=48, sun=spcap.DirectionalLight(), draws=[indexed, plain],
         point_lights=[spcap.PointLight(), spcap.PointLight(
             position=(1.0, 2.0, 3.0), range=7.0,

@@ -155,7 +155,8 @@ class AgainstTheProgram(unittest.TestCase):
     def test_a_replay_of_both_is_the_same(self):
         with folder() as path:
             name, again = os.path.join(path, "scene.spcap"), os.path.join(path, "again.spcap")
-            code, _, errors = subpixel("generate", "grass", name, "--frames", "1", "--size", "64x48", "--density", "0.02")
+            code, _, errors = subpixel("generate", "grass", name, "--frames", "1", "--size", "64x48", "--density",
+                                       "0.02")
             self.assertEqual(code, 0, errors)
             spcap.write(spcap.read(name), again)
             images = []

@@ -1,4 +1,4 @@
-"""For tests/unit/python_capture_test.cpp: `write FILE` writes the fixture, `compare A B` ends with 1 where they differ."""
+"""For tests/unit/python_capture_test.cpp: `write FILE` writes the fixture, `compare A B` fails where they differ."""
 import sys
 
 from capture_fixture import small_capture, spcap

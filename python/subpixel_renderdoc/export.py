@@ -1,0 +1,670 @@
+"""Frames of RenderDoc captures to one capture of Subpixel's."""
+import json
+import re
+import struct
+
+import subpixel_capture as spcap
+from subpixel_capture import Draw, Frame, VertexFormat, VertexStream
+
+from . import camera as cameras
+from . import geometry, textures
+from .builder import Builder
+from .errors import ExportError, renderdoc_module
+from .formats import float_bytes
+from .linear import column_major, determinant, transposed
+from .replay import Replay
+
+TOOL = "subpixel_renderdoc 1"
+MOST_INSTANCES = 65536
+
+
+class Options:
+    """What of the frame is taken, and how.
+
+    events: (first, last) event ids, or None; target: id of the depth target as RenderDoc shows it, or None; mapping:
+    role -> names (regular expressions) or slots of textures; sun: the way a directional light travels in world space,
+    or None; title, application, licence: texts of the metadata; progress: called with a line now and then."""
+
+    def __init__(self, **values):
+        self.events = self.target = self.sun = None
+        self.mapping = {}
+        self.title = self.application = self.licence = ""
+        self.progress = lambda line: None
+        for name, value in values.items():
+            if not hasattr(self, name):
+                raise TypeError("Options has no field " + name)
+            setattr(self, name, value)
+
+
+class Entry:
+    """A draw of the main view."""
+
+    def __init__(self, number, action, state, name):
+        self.number, self.action, self.state, self.name = number, action, state, name
+        self.mesh = self.reason = None
+        self.attributes = self.outputs = self.points = self.position = None
+        self.clip_rows = None
+        self.instances = []       # meshes of instances 1, 2, ...
+        self.textures = {}
+        self.samplers = {}
+        self.discards, self.cutoff = False, None
+        self.matrices = []
+        self.data = {}            # (resource, stride) -> (bytes, offset of the first vertex)
+        self.kept = None          # numbers of triangles that are drawn; None: all
+        self.role = "surface"     # surface, prepass, layer
+
+    def triangles(self):
+        return len(self.mesh.corners) // 3 if self.mesh else 0
+
+
+class Notices:
+    """Reasons with the draws that they hold for."""
+
+    def __init__(self):
+        self.draws, self.plain = {}, []
+
+    def draw(self, reason, entry_name):
+        self.draws.setdefault(reason, []).append(entry_name)
+
+    def say(self, text):
+        if text not in self.plain:
+            self.plain.append(text)
+
+    def lines(self, frame):
+        out = ["frame {}: {}".format(frame, text) for text in self.plain]
+        for reason, names in self.draws.items():
+            text = "frame {}: {} ({} draws): {}".format(frame, reason, len(names), ", ".join(names))
+            out.append(text if len(text) < 2000 else text[:1990] + " ...")
+        return out
+
+
+class FrameExport:
+    """One open capture's frame into the builder."""
+
+    def __init__(self, replay, builder, options):
+        self.replay, self.builder, self.options = replay, builder, options
+        self.rd = replay.rd
+        self.notices = Notices()
+
+    def run(self, number):
+        entries = self._main_view()
+        self._look(entries)
+        drawn = [e for e in entries if e.mesh is not None]
+        if not drawn:
+            raise ExportError("the RenderDoc capture can't be exported", "no draw of its main view can be taken: " +
+                              "; ".join("{} ({})".format(r, len(n)) for r, n in self.notices.draws.items()))
+        camera = self._camera(drawn)
+        drawn = self._layers(drawn, camera)
+        frame = self._frame(number, camera)
+        seen = {}
+        for entry in drawn:
+            self._draw(entry, camera, frame, seen)
+        if not frame.draws:
+            raise ExportError("the RenderDoc capture can't be exported", "no triangle of its main view is left")
+        self.builder.capture.frames.append(frame)
+        taken = json.dumps({"target": self.depth_target, "event": max(e.action.eventId for e in drawn),
+                            "viewport": list(self.viewport)}, sort_keys=True)
+        self.notices.say("main view " + taken)
+        self.builder.capture.metadata.notices.extend(self.notices.lines(number))
+        self.camera = camera
+        return frame
+
+    # --- which draws
+
+    def _main_view(self):
+        """Draws with depth of the target that most depth-writing triangles go to, of those near the largest."""
+        groups, self.target_ids, self.draw_count = {}, set(), 0
+        for number, action in enumerate(self.replay.draws()):
+            self.draw_count += 1
+            for output in action.outputs:
+                self.target_ids.add(str(output))
+            if action.depthOut == self.replay.null:
+                continue
+            self.target_ids.add(str(action.depthOut))
+            if self.options.events and not self.options.events[0] <= action.eventId <= self.options.events[1]:
+                continue
+            if self.options.target and str(action.depthOut).split(":")[-1] != str(self.options.target):
+                continue
+            groups.setdefault(str(action.depthOut), []).append((number, action))
+        if not groups:
+            raise ExportError("the RenderDoc capture can't be exported", "no draw has a depth target" + (
+                " among the chosen ones" if self.options.events or self.options.target else ""))
+
+        def area(key):
+            texture = self.replay.textures.get(key)
+            return texture.width * texture.height if texture else 0
+
+        def has_colour(key):
+            return any(o != self.replay.null for _, a in groups[key] for o in a.outputs)
+
+        coloured = [key for key in groups if has_colour(key)] or list(groups)
+        largest = max(area(key) for key in coloured)
+        near = [key for key in coloured if 4 * area(key) >= largest] or coloured
+
+        def corners(key):
+            return sum(a.numIndices * max(a.numInstances, 1) for _, a in groups[key])
+
+        # States cost a replay each: they are asked in the groups that may be the main view, most corners first.
+        best = max(near, key=corners)
+        chosen, others = groups[best], self.draw_count - len(groups[best])
+        self.depth_target = best
+        if others:
+            self.notices.say("left out: {} draws to other targets or without depth (shadows, post passes, HUD)".format(
+                others))
+        entries = []
+        for number, action in chosen:
+            name = "event {} {}".format(action.eventId, re.sub(r"\(.*", "", self.replay.name(action)))
+            entries.append(Entry(number, action, None, name))
+        return entries
+
+    def _look(self, entries):
+        """Asks everything about each draw in one visit."""
+        viewports = {}
+        for done, entry in enumerate(entries):
+            self.replay.go_to(entry.action)
+            entry.state = state = self.replay.state()
+            if done % 25 == 0:
+                self.options.progress("draw {} of {}".format(done + 1, len(entries)))
+            entry.reason = self._refusal(state)
+            if entry.reason:
+                self.notices.draw("left out: " + entry.reason, entry.name)
+                continue
+            entry.mesh, reason = geometry.read_mesh(self.replay, entry.action, state)
+            if entry.mesh is None:
+                self.notices.draw("left out: " + reason, entry.name)
+                continue
+            if state.depth_write and not state.writes_colour:
+                entry.role = "prepass"
+            elif not state.depth_write:
+                entry.role = "layer"
+            key = state.viewport
+            viewports[key] = viewports.get(key, 0) + entry.triangles() * (entry.role != "layer")
+            self._inputs(entry)
+            self._shading(entry)
+            entry.matrices = self.replay.matrices()
+            for instance in range(1, min(entry.action.numInstances, MOST_INSTANCES)):
+                other = geometry.instance_outputs(self.replay, entry.mesh, instance)
+                if other is None:
+                    self.notices.draw("approximated: instances from {} on are missing".format(instance), entry.name)
+                    break
+                entry.instances.append(other)
+        if viewports:
+            self.viewport = max(viewports, key=viewports.get)
+            writing = [e for e in entries if e.mesh is not None and e.state.depth_write] or [
+                e for e in entries if e.mesh is not None]
+            self.typical = max(writing, key=Entry.triangles).state
+            for entry in entries:
+                if entry.mesh is None:
+                    continue
+                if entry.state.viewport[:4] != self.viewport[:4]:
+                    entry.mesh = None
+                    self.notices.draw("left out: drawn to another part of the target", entry.name)
+                elif entry.state.viewport[4:] != self.viewport[4:]:
+                    if entry.state.viewport[4] == entry.state.viewport[5]:
+                        entry.mesh = None
+                        self.notices.draw("left out: drawn at one depth (sky)", entry.name)
+                    else:
+                        self.notices.draw("approximated: drawn with a depth range of its own", entry.name)
+
+    @staticmethod
+    def _refusal(state):
+        if state.topology is None:
+            return "points, lines or patches"
+        if state.cull == "Both":
+            return "all faces culled"
+        if not state.depth_test:
+            return "no depth test (HUD, sky, post)"
+        if not state.depth_write and state.depth_function not in ("Equal", "LessEqual", "GreaterEqual"):
+            return "writes no depth (blended or decal)"
+        return None
+
+    # --- what a draw has
+
+    def _inputs(self, entry):
+        entry.attributes, entry.outputs = self.replay.attributes(), self.replay.outputs()
+        mesh = entry.mesh
+        for attribute in entry.attributes:
+            if attribute.constant is None and not attribute.per_instance:
+                self._fetch(entry, attribute)
+        sampled = geometry.samples_of(mesh)
+        clips = [mesh.clip(v) for v in sampled]
+        for attribute in geometry.position_candidates(entry.attributes):
+            points = self._values(entry, attribute, sampled, 3)
+            if points is None:
+                continue
+            rows = geometry.clip_map(points, clips)
+            if rows is not None or entry.position is None:
+                entry.position, entry.points = attribute, (sampled, points)
+            if rows is not None:
+                entry.clip_rows = rows
+                break
+
+    def _fetch(self, entry, attribute):
+        """The bytes of the mesh's vertices of the attribute's buffer; interleaved attributes share them."""
+        mesh = entry.mesh
+        stride = attribute.stride
+        key = (str(attribute.resource), stride, attribute.offset // stride if stride else attribute.offset)
+        begin = key[2] * stride + stride * mesh.first if stride else attribute.offset
+        if begin < 0:
+            return
+        if key not in entry.data:
+            size = stride * mesh.count if stride else attribute.format.bytes
+            entry.data[key] = self.replay.buffer(attribute.resource, begin, size)
+        attribute.key = key
+        attribute.within = attribute.offset - key[2] * stride if stride else 0
+
+    def _values(self, entry, attribute, vertices, components):
+        """Tuples of an attribute at vertex numbers; None where the buffer ends before."""
+        data = entry.data.get(getattr(attribute, "key", None))
+        if data is None:
+            return None
+        out, filler = [], (0.0, 0.0, 0.0, 1.0)
+        for v in vertices:
+            at = attribute.within + (v - entry.mesh.first) * attribute.stride
+            if at + attribute.format.bytes > len(data):
+                return None
+            value = attribute.format.decode(data, at, 0, 1)[0]
+            out.append((tuple(float(x) for x in value) + filler[len(value):])[:components])
+        return out
+
+    def _shading(self, entry):
+        _, source = self.replay.fragment_source()
+        entry.discards = False
+        if "discard" in source or "Kill" in source or "clip" in source or "Demote" in source:
+            entry.discards, entry.cutoff = textures.cutoff(source, self.replay.fragment_constants())
+        bound = self.replay.fragment_textures()
+        chosen = textures.choose(bound, self.replay.textures, self.options.mapping,
+                                 lambda resource: str(resource) in self.target_ids)
+        for role, (name, slot, resource) in chosen.items():
+            sampler = self.replay.sampler(slot, name)
+            key = (str(resource), role, sampler)
+            if key not in self.builder.texture_of:
+                texture, reason = textures.read(self.replay, resource, role, sampler)
+                if texture is None:
+                    self.notices.draw("approximated: a texture is missing, as " + reason, entry.name)
+                    self.builder.texture_of[key] = (None, None)
+                else:
+                    texture.name = "{} {}".format(name, str(resource).split(":")[-1])
+                    self.builder.texture_of[key] = (self.builder.texture(texture), textures.has_alpha(texture))
+            number, alpha = self.builder.texture_of[key]
+            if number is not None:
+                entry.textures[role] = (number, alpha)
+
+    # --- the camera
+
+    def _camera(self, drawn):
+        y_up = drawn[0].state.clip_y_up
+        candidates, shared = [], {}
+        for entry in drawn:
+            weight = float(entry.triangles() + 1)
+            if entry.clip_rows is not None:
+                projection = cameras.projection_of(entry.clip_rows, y_up)
+                if projection is not None:
+                    candidates.append((projection, weight))
+            for name, matrix in entry.matrices:
+                for form in (matrix, transposed(matrix)):
+                    projection = cameras.projection_of(form, y_up)
+                    if projection is not None:
+                        candidates.append((projection, weight * 1e-3))
+                        key = tuple(tuple(round(x, 5) for x in row) for row in form)
+                        held = shared.setdefault(key, [form, 0.0, 0])
+                        held[1] += weight
+                        held[2] += 1
+        projection = cameras.dominant(candidates[:4000])
+        clips = [entry.mesh.clip(v) for entry in drawn for v in geometry.samples_of(entry.mesh, 16)]
+        if projection is None:
+            projection = cameras.assumed_projection(clips, self.viewport[2], self.viewport[3], y_up)
+            if projection is None:
+                raise ExportError("the RenderDoc capture can't be exported", "its main view has no perspective camera")
+            self.notices.say("approximated: no matrix shows the projection; 60 degrees from bottom to top are assumed")
+        return cameras.Camera(projection, self._view(drawn, projection, shared))
+
+    def _view(self, drawn, projection, shared):
+        found = []
+        for form, weight, count in shared.values():
+            is_pure = all(abs(x) < 1e-9 for x in (form[3][0], form[3][1], form[3][3]))
+            if is_pure or count < max(2, len(drawn) // 4):
+                continue
+            for variant in cameras.clip_variants(form):
+                other = cameras.projection_of(variant, drawn[0].state.clip_y_up)
+                if other is None or not projection.is_near(other):
+                    continue
+                view = cameras.rigid_view(projection.view_rows(variant))
+                if view is not None:
+                    found.append((weight, view))
+                    break
+        if found:
+            return max(found, key=lambda f: f[0])[1]
+        named = {}
+        for entry in drawn:
+            for name, matrix in entry.matrices:
+                if re.search("view", name.split(".")[-1], re.I) and not re.search(
+                        "proj|inv|norm|prev|last|shadow|light|model|tex", name.split(".")[-1], re.I):
+                    for form in (matrix, transposed(matrix)):
+                        if form[3] == (0.0, 0.0, 0.0, 1.0):
+                            view = cameras.rigid_view(form[:3])
+                            if view is not None:
+                                named[view] = named.get(view, 0) + entry.triangles()
+        if named:
+            return max(named, key=named.get)
+        same = []  # [rows, draws, triangles] of near maps
+        for entry in drawn:
+            if entry.clip_rows is None:
+                continue
+            for held in same:
+                if cameras.are_near(held[0], entry.clip_rows):
+                    break
+            else:
+                held = [entry.clip_rows, 0, 0]
+                same.append(held)
+            held[1] += 1
+            held[2] += entry.triangles()
+        for rows, count, _ in sorted(same, key=lambda s: -s[2]):
+            view = cameras.rigid_view(projection.view_rows(rows))
+            if view is not None and (count >= 2 or len(drawn) == 1):
+                return view
+        self.notices.say("approximated: no matrix shows where the camera stands; world space is the camera's")
+        return ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
+
+    # --- passes over the same triangles
+
+    def _layers(self, drawn, camera):
+        """Colour that stands in later draws at equal depth: each depth-only triangle takes that of the strongest layer
+        drawn over it, and a draw over triangles that have colour already is left out."""
+        prepass = [e for e in drawn if e.role == "prepass"]
+        layers = [e for e in drawn if e.role == "layer"]
+        surfaces = [e for e in drawn if e.role == "surface"]
+        if not prepass:
+            for entry in layers:
+                self.notices.draw("left out: writes no depth (blended or decal)", entry.name)
+            return surfaces
+        owner, covered = {}, {}
+        for entry in prepass:
+            entry.kept = set(range(entry.triangles()))
+            for t, keys in enumerate(geometry.triangle_keys(entry.mesh, camera)):
+                for grid, key in enumerate(keys):
+                    owner.setdefault((grid, key), (entry, t))
+
+        def under(entry):
+            for t, keys in enumerate(geometry.triangle_keys(entry.mesh, camera)):
+                held = owner.get((0, keys[0])) or owner.get((1, keys[1]))
+                if held:
+                    yield t, (held[0].number, held[1]), held
+
+        for entry in surfaces:
+            for _, _, (under_entry, under_t) in under(entry):
+                under_entry.kept.discard(under_t)
+        for entry in layers:
+            weights = self._weights(entry)
+            hits = 0
+            for t, place, held in under(entry):
+                hits += 1
+                weight = weights(t) * (1.0 if "base_colour" in entry.textures else 0.01)
+                if held[1] in held[0].kept and (place not in covered or weight >= covered[place][0]):
+                    covered[place] = (weight, entry, t, held)
+            if hits == 0:
+                self.notices.draw("left out: writes no depth (blended or decal)", entry.name)
+        for entry in layers:
+            entry.kept = set()
+        for weight, entry, t, (under_entry, under_t) in covered.values():
+            entry.kept.add(t)
+            under_entry.kept.discard(under_t)
+        used = [e for e in layers if e.kept]
+        for entry in used:
+            self.notices.draw("approximated: layers blended at equal depth; each triangle has the strongest one's "
+                              "texture", entry.name)
+        bare = [e for e in prepass if e.kept]
+        for entry in bare:
+            self.notices.draw("approximated: drawn to depth alone, {} of {} triangles get no colour from other draws"
+                              .format(len(entry.kept), entry.triangles()), entry.name)
+        return [e for e in drawn if e in surfaces or e in used or e in bare]
+
+    def _weights(self, entry):
+        """How strongly a layer's triangle shows: the mean alpha of its vertex colours, else 1."""
+        colour = geometry.pick(entry.attributes, geometry.COLOUR, 4, 4)
+        if colour is None:
+            colour = next((a for a in entry.attributes if a.constant is None and a.format.kind == "UNorm"
+                           and a.format.width == 1 and a.format.count == 4), None)
+        if colour is None:
+            return lambda t: 1.0
+        used = sorted(entry.mesh.post)
+        values = self._values(entry, colour, used, 4)
+        if values is None:
+            return lambda t: 1.0
+        alpha = dict(zip(used, (v[3] for v in values)))
+        corners = entry.mesh.corners
+        return lambda t: sum(alpha[v] for v in corners[3 * t:3 * t + 3]) / 3
+
+    # --- records
+
+    def _frame(self, number, camera):
+        x, y, width, height = self.viewport[:4]
+        state = self.typical
+        projection = camera.projection
+        depth = spcap.ClipDepth.MINUS_ONE_TO_ONE if state.clip_depth_negative else spcap.ClipDepth.ZERO_TO_ONE
+        if state.depth_function.startswith("Greater"):
+            if state.clip_depth_negative:
+                projection.c, projection.d = (projection.c + 1) / 2, projection.d / 2
+            depth = spcap.ClipDepth.ONE_TO_ZERO
+        frame = Frame(name="frame {}".format(number), time_s=number / 60.0, view=camera.view_matrix(),
+                      projection=camera.projection_matrix(), clip_depth=depth, clip_y_up=state.clip_y_up,
+                      width=max(int(round(width)), 1), height=max(int(round(height)), 1), ambient=(1.0, 1.0, 1.0))
+        if self.options.sun:
+            frame.sun = spcap.DirectionalLight(direction=tuple(self.options.sun))
+            frame.ambient = (0.35, 0.35, 0.35)
+        else:
+            self.notices.say("lights are not guessed: ambient light of 1 from everywhere")
+        return frame
+
+    def _draw(self, entry, camera, frame, seen):
+        mesh, state = entry.mesh, entry.state
+        corners = mesh.corners
+        if entry.kept is not None:
+            corners = [v for t in sorted(entry.kept) for v in corners[3 * t:3 * t + 3]]
+            if not corners:
+                return
+        place = self._placements(entry, camera)
+        # The visible side is counter-clockwise on the image, clockwise where the placement mirrors (glTF).
+        mirrors = place is not None and determinant(place[0]) < 0
+        if state.cull != "None" and ((state.cull == "Back") != state.front_ccw) != mirrors:
+            corners = [v for t in range(0, len(corners), 3) for v in (corners[t], corners[t + 2], corners[t + 1])]
+        draw = Draw(material=self._material(entry), vertex_count=mesh.count)
+        resources = sorted(set(str(a.resource).split(":")[-1] for a in entry.attributes if a.constant is None))
+        name = "vertices {} from {}, {} triangles".format("+".join(resources) or "generated", mesh.first,
+                                                         len(corners) // 3)
+        seen[name] = seen.get(name, 0) + 1
+        draw.name = name if seen[name] == 1 else "{} ({})".format(name, seen[name])
+        self._indices(draw, corners, mesh)
+        self._uv_and_colour(draw, entry)
+        if place is not None:
+            self._rigid(draw, entry, place)
+            frame.draws.append(draw)
+            return
+        self.notices.draw("approximated: no matrix places it; positions are as the vertex shader gave them, in the "
+                          "world", entry.name)
+        for instance in [mesh] + entry.instances:
+            self._placed(draw, entry, instance, corners, camera)
+            frame.draws.append(draw)
+            draw = Draw(**dict((n, getattr(draw, n)) for n, _ in Draw.DEFAULTS))
+
+    def _placements(self, entry, camera):
+        """World map of each instance, or None where one has none."""
+        if entry.position is None:
+            return None
+        sampled, points = entry.points
+        maps = []
+        for instance in [entry.mesh] + entry.instances:
+            rows = geometry.world_map(points, [instance.clip(v) for v in sampled], camera, self.viewport[3])
+            if rows is None:
+                return None
+            maps.append(rows)
+        return maps
+
+    def _indices(self, draw, corners, mesh):
+        values = [v - mesh.first for v in corners]
+        draw.index_count = len(values)
+        if mesh.count <= 65536:
+            draw.index_type, data = spcap.IndexType.UINT16, struct.pack("<%dH" % len(values), *values)
+        else:
+            draw.index_type, data = spcap.IndexType.UINT32, struct.pack("<%dI" % len(values), *values)
+        draw.index_buffer = self.builder.buffer(data, "indices")
+
+    def _stream(self, entry, attribute, components):
+        """A stream of the attribute: its own bytes where the capture has the format, else numbers."""
+        mesh, data = entry.mesh, entry.data.get(getattr(attribute, "key", None))
+        if data is None:
+            return VertexStream()
+        form = attribute.format.same()
+        last = attribute.within + (mesh.count - 1) * attribute.stride + attribute.format.bytes
+        if last > len(data):
+            return VertexStream()
+        is_short = form is not None and attribute.format.count < min(components, 3)
+        if form is not None and not is_short and attribute.stride >= attribute.format.bytes:
+            return VertexStream(buffer=self.builder.buffer(data, "vertices"), format=form, offset=attribute.within,
+                                stride=attribute.stride)
+        values = attribute.format.decode(data, attribute.within, attribute.stride, mesh.count)
+        return self._numbers(values, components)
+
+    def _numbers(self, values, components):
+        form = {2: VertexFormat.FLOAT32X2, 3: VertexFormat.FLOAT32X3, 4: VertexFormat.FLOAT32X4}[components]
+        return VertexStream(buffer=self.builder.buffer(float_bytes(values, components), "vertices"), format=form,
+                            stride=4 * components)
+
+    def _output_values(self, entry, mesh, offset, count):
+        """Of each vertex what the vertex shader handed on; 0 for vertices that are not drawn."""
+        data, stride = mesh.outputs
+        shape = struct.Struct("<%df" % count)
+        values = [(0.0,) * count] * mesh.count
+        for vertex, post in mesh.post.items():
+            values[vertex - mesh.first] = shape.unpack_from(data, post * stride + offset)
+        return values
+
+    def _uv_and_colour(self, draw, entry):
+        mesh = entry.mesh
+        attribute = geometry.pick(entry.attributes, geometry.UV, 2, 4)
+        if attribute is None:
+            attribute = next((a for a in entry.attributes if a.constant is None and not a.per_instance
+                              and a.format.count == 2 and a is not entry.position), None)
+        output = next((o for o in entry.outputs if o[2] > 0 and o[1] >= 2 and re.search(geometry.UV, o[0], re.I)), None)
+        if attribute is not None and output is not None:
+            sampled = geometry.samples_of(mesh, 32)
+            ins = self._values(entry, attribute, sampled, 2)
+            data, stride = mesh.outputs
+            outs = [struct.unpack_from("<2f", data, mesh.post[v] * stride + output[2]) for v in sampled]
+            if ins is not None and all(abs(a - b) <= 1e-5 * max(1.0, abs(b)) for p, q in zip(ins, outs)
+                                       for a, b in zip(p, q)):
+                output = None
+        if output is not None:
+            draw.uv = self._numbers(self._output_values(entry, mesh, output[2], 2), 2)
+        elif attribute is not None:
+            draw.uv = self._stream(entry, attribute, 2)
+        colour = geometry.pick(entry.attributes, geometry.COLOUR, 3, 4)
+        if colour is not None and entry.role != "layer":
+            stream = self._stream(entry, colour, 4)
+            if stream.buffer != spcap.NONE and stream.format not in (1, 2, 4, 8, 9):
+                stream = VertexStream()
+            draw.colour = stream
+
+    def _rigid(self, draw, entry, maps):
+        draw.position = self._stream(entry, entry.position, 3)
+        normal = geometry.pick(entry.attributes, geometry.NORMAL, 3, 4)
+        if normal is not None and normal is not entry.position:
+            draw.normal = self._stream(entry, normal, 3)
+        tangent = geometry.pick(entry.attributes, geometry.TANGENT, 3, 4)
+        if tangent is not None and "normal" in entry.textures:
+            draw.tangent = self._stream(entry, tangent, 4)
+        if entry.state.cull != "None" and len(set(determinant(rows) < 0 for rows in maps)) > 1:
+            self.notices.draw("approximated: some instances are mirrored; the wrong side of those shows", entry.name)
+        if len(maps) == 1:
+            draw.transform = column_major(maps[0])
+            return
+        data = b"".join(struct.pack("<16f", *column_major(rows)) for rows in maps)
+        draw.instance_buffer, draw.instance_count = self.builder.buffer(data, "instances"), len(maps)
+
+    def _placed(self, draw, entry, mesh, corners, camera):
+        positions = {}
+        for vertex in mesh.post:
+            positions[vertex] = camera.world(mesh.clip(vertex))
+        values = [(0.0, 0.0, 0.0)] * mesh.count
+        for vertex, position in positions.items():
+            values[vertex - mesh.first] = position
+        draw.position = self._numbers(values, 3)
+        values = [(0.0, 0.0, 1.0)] * mesh.count
+        for vertex, normal in geometry.smooth_normals(positions, corners).items():
+            values[vertex - mesh.first] = normal
+        draw.normal = self._numbers(values, 3)
+
+    def _material(self, entry):
+        values = {"two_sided": entry.state.cull == "None"}
+        for role, (number, _) in entry.textures.items():
+            values[role + "_texture"] = number
+        if "metallic_roughness" in entry.textures:
+            values["metallic"] = values["roughness"] = 1.0
+        base, alpha = entry.textures.get("base_colour", (spcap.NONE, False))
+        if entry.role == "layer":
+            pass
+        elif entry.discards and base != spcap.NONE:
+            values["alpha_mode"] = spcap.AlphaMode.TEST
+            values["alpha_cutoff"] = entry.cutoff if entry.cutoff is not None else 0.5
+            if entry.cutoff is None:
+                self.notices.draw("approximated: the shader discards by something else than a constant; alpha 0.5 is "
+                                  "taken", entry.name)
+        elif entry.state.blends and alpha is not False:
+            values["alpha_mode"], values["alpha_cutoff"] = spcap.AlphaMode.TEST, 0.5
+            self.notices.draw("approximated: blended and writes depth; taken as alpha-tested at 0.5", entry.name)
+        if base == spcap.NONE:
+            self.notices.draw("approximated: no base colour texture; white", entry.name)
+        return self.builder.material(name="material of " + entry.name, **values)
+
+
+def _export(replays, options):
+    builder = Builder()
+    metadata = builder.capture.metadata
+    metadata.title, metadata.application = options.title, options.application
+    metadata.tool, metadata.licence = TOOL, options.licence
+    for number, open_replay in enumerate(replays):
+        replay = open_replay()
+        try:
+            builder.texture_of = {}
+            work = FrameExport(replay, builder, options)
+            work.run(number)
+            options.progress("frame {}: {} draws, {} triangles".format(
+                number, len(builder.capture.frames[-1].draws),
+                sum(d.index_count // 3 * d.instance_count for d in builder.capture.frames[-1].draws)))
+        finally:
+            replay.close()
+    metadata.notices = [n[:60000] for n in metadata.notices[:4000]]
+    return builder.capture
+
+
+def export_files(paths, out, options=None):
+    """Exports .rdc files, a frame each, to one capture, and returns it. Raises ExportError and CaptureError."""
+    options = options or Options()
+    rd = renderdoc_module()
+    rd.InitialiseReplay(rd.GlobalEnvironment(), [])
+    try:
+        capture = _export([lambda path=path: Replay.open(rd, path) for path in paths], options)
+    finally:
+        rd.ShutdownReplay()
+    spcap.write(capture, out)
+    return capture
+
+
+def export_open_capture(pyrenderdoc, out, options=None):
+    """Exports the capture that is open in qrenderdoc, whose Python shell has `pyrenderdoc`."""
+    rd = renderdoc_module()
+    options = options or Options()
+    made = []
+
+    def work(controller):
+        try:
+            replay = Replay(rd, controller, controller.GetStructuredFile())
+            made.append(_export([lambda: replay], options))
+        except Exception as error:  # handed to the caller's thread
+            made.append(error)
+
+    pyrenderdoc.Replay().BlockInvoke(work)
+    if isinstance(made[0], Exception):
+        raise made[0]
+    spcap.write(made[0], out)
+    return made[0]
