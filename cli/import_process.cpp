@@ -223,14 +223,19 @@ void import_in_child(const std::string& in, const std::filesystem::path& out, co
   fmt::print("{}: {}\n", printable(out.string()), conversation.summary().value_or(""));
 }
 
-int import_worker(const std::string& in, const std::filesystem::path& out, capture::ImportOptions options) {
+int import_worker(const std::string& in, const std::filesystem::path& out, capture::ImportOptions options,
+                  const RenderDocOptions& renderdoc) {
   const auto fail = [](int code, const std::string& text) {
     say({{"type", "error"}, {"text", printable(text)}});  // bytes that are no UTF-8 would not go through JSON
     return code;
   };
   options.progress = [](const std::string& line) { say({{"type", "progress"}, {"text", printable(line)}}); };
   try {
-    const capture::Capture made = capture::import_file(in, options);
+    // What is not written in place goes to a folder of its own (import_in_child), which takes all else with it.
+    const std::filesystem::path scratch = std::filesystem::exists(out) ? std::filesystem::temp_directory_path()
+                                                                       : std::filesystem::absolute(out).parent_path();
+    const capture::Capture made =
+        is_renderdoc(in) ? import_renderdoc(in, renderdoc, scratch) : capture::import_file(in, options);
     capture::write_capture(made, out);
     say({{"type", "done"}, {"summary", written_summary(made, out)}});
     return 0;

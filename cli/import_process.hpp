@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/renderdoc_import.hpp"
 #include "scenes/import/import.hpp"
 
 namespace subpixel::cli {
@@ -29,6 +30,7 @@ void import_in_child(const std::string& in, const std::filesystem::path& out, co
 
 // What the child does: imports and writes `out`. Messages go to standard output, a JSON document a line:
 // {"type": "progress", "text"}, then {"type": "done", "summary"} or {"type": "error", "text"}. Returns the exit code.
-int import_worker(const std::string& in, const std::filesystem::path& out, capture::ImportOptions options);
+int import_worker(const std::string& in, const std::filesystem::path& out, capture::ImportOptions options,
+                  const RenderDocOptions& renderdoc = {});
 
 }  // namespace subpixel::cli

@@ -219,8 +219,7 @@ Capture import_file(const std::filesystem::path& path, const ImportOptions& opti
   const std::string extension = lower_extension(path);
   if (extension == ".rdc") {
     throw UsageError("RenderDoc captures can't be read",
-                     "this program has no reader for them; export the frame's scene as glTF, or record with "
-                     "capture_format/recorder.hpp",
+                     "models are read here; `subpixel import` and python/subpixel_renderdoc read frames",
                      path.string());
   }
   const bool is_description = extension == ".json";

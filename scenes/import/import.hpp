@@ -26,8 +26,8 @@ struct ImportOptions {
 };
 
 // The capture of a model file (glTF, GLB, OBJ, and what else assimp reads) or of a scene description (.json).
-// Throws UsageError for options out of range and for .rdc files, which nothing here can read; InputError naming what is
-// missing, damaged or wrong.
+// Throws UsageError for options out of range and for .rdc files, which `subpixel import` has another reader for;
+// InputError naming what is missing, damaged or wrong.
 Capture import_file(const std::filesystem::path& path, const ImportOptions& options = {});
 
 }  // namespace subpixel::capture
