@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# Records the applications beside this script and vkcube under RenderDoc, imports their frames, and holds the depth of
+# what Subpixel replays against the depth that RenderDoc replays.
+#   recording_test.sh SUBPIXEL APPLICATION...     exit code 77 where something that is needed is missing
+set -euo pipefail
+subpixel=$1; shift
+root=$(cd "$(dirname "$0")/../.." && pwd)
+python=${SUBPIXEL_PYTHON:-/usr/bin/python3}
+skip() { echo "skipped: $*"; exit 77; }
+"$python" -c 'import renderdoc' 2>/dev/null || skip "$python has no module renderdoc (Debian: python3-renderdoc)"
+command -v xvfb-run >/dev/null || skip "no xvfb-run (Debian: xvfb, xauth)"
+[ $# -gt 0 ] || skip "the applications are not built (Debian: libgl-dev, libx11-dev, libvulkan-dev)"
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+export SUBPIXEL=$subpixel PYTHONPATH=$root/python PYTHONDONTWRITEBYTECODE=1 LIBGL_ALWAYS_SOFTWARE=1
+failures=0
+failed() { echo "FAILED: $*"; failures=$((failures + 1)); }
+value() { "$python" -c 'import json, sys; print(json.load(sys.stdin)[sys.argv[1]])' "$1"; }
+
+# expect_depth NAME LEAST_PERCENT: of the pixels that either side covers, of frame 0
+expect_depth() {
+  local said share
+  said=$(xvfb-run -a "$python" -m subpixel_renderdoc.depth "$folder/$1/frame_0.rdc" "$folder/$1.spcap" 0 "$subpixel" \
+    "$folder/$1.depth")
+  share=$("$python" -c 'import json, sys
+s = json.loads(sys.argv[1]); print(100 * s["agree"] / (100 - s["neither"]))' "$said")
+  echo "$1: $share % of the pixels at RenderDoc's depth: $said"
+  "$python" -c 'import sys; sys.exit(float(sys.argv[1]) < float(sys.argv[2]))' "$share" "$2" ||
+    failed "$1: $share % of the pixels have RenderDoc's depth"
+}
+
+programs=("$@")
+if vkcube=$(command -v vkcube); then programs+=("$vkcube"); fi
+for program in "${programs[@]}"; do
+  name=$(basename "$program")
+  "$root/scripts/record_app.sh" --frame 5 --frames 2 --size 640x480 --keep "$folder/$name" "$folder/$name.spcap" \
+    "$program" || { failed "$name is not recorded"; continue; }
+  "$subpixel" validate "$folder/$name.spcap" || failed "$name is not valid"
+  "$subpixel" info --json "$folder/$name.spcap" >"$folder/$name.json"
+  [ "$(value frame_count <"$folder/$name.json")" = 2 ] || failed "$name has not two frames"
+  expect_depth "$name" 99
+done
+
+# One scene by two APIs: the same triangles, textures and features.
+if [ -e "$folder/gl_application.json" ] && [ -e "$folder/vulkan_application.json" ]; then
+  for key in draws triangles materials features width height; do
+    a=$(value $key <"$folder/gl_application.json") b=$(value $key <"$folder/vulkan_application.json")
+    [ "$a" = "$b" ] || failed "$key: OpenGL $a, Vulkan $b"
+  done
+  # Ground 288, cubes 7 x 12, tube 192, fan 16, cards 8.
+  [ "$(value triangles <"$folder/gl_application.json")" = 588 ] || failed "not 588 triangles"
+  notices=$("$subpixel" info "$folder/gl_application.spcap")
+  [[ $notices == *"left out: writes no depth"* ]] || failed "no word of the pane: $notices"
+fi
+
+# What can't be read is refused in one line, and nothing is left.
+mkdir "$folder/out"
+refused() {
+  local words=$1 said code=0; shift
+  said=$("$@" 2>&1 >/dev/null) || code=$?
+  [ $code = 3 ] || failed "exit code $code instead of 3: $*: $said"
+  [ "$(wc -l <<<"$said")" = 1 ] || failed "more than a line: $said"
+  [[ $said == *"$words"* ]] || failed "'$words' is not in: $said"
+  [ -z "$(ls -A "$folder/out")" ] || { failed "left behind: $(ls -A "$folder/out")"; rm -rf "${folder:?}/out/"*; }
+}
+rdc=$folder/$(basename "$1")/frame_0.rdc
+if [ -e "$rdc" ]; then
+  head -c 100 /dev/urandom >"$folder/noise.rdc"
+  head -c $(($(stat -c %s "$rdc") / 2)) "$rdc" >"$folder/cut.rdc"
+  : >"$folder/empty.rdc"
+  refused "the RenderDoc capture can't be read" "$subpixel" import "$folder/noise.rdc" "$folder/out/x.spcap"
+  refused "can't be" "$subpixel" import "$folder/cut.rdc" "$folder/out/x.spcap"
+  refused "the RenderDoc capture can't be read" "$subpixel" import "$folder/empty.rdc" "$folder/out/x.spcap"
+  refused "can't be opened" "$subpixel" import "$folder/missing.rdc" "$folder/out/x.spcap"
+  refused "no draw has a depth target" "$subpixel" import "$rdc" "$folder/out/x.spcap" --events 0-1
+  refused "longer than 1 s" env SUBPIXEL_PYTHON="$root/tests/recording/slow_python.sh" \
+    "$subpixel" import "$rdc" "$folder/out/x.spcap" --limit-seconds 1
+  refused "crashed" env SUBPIXEL_PYTHON="$root/tests/recording/crashing_python.sh" \
+    "$subpixel" import "$rdc" "$folder/out/x.spcap"
+  refused "no module renderdoc" env SUBPIXEL_PYTHON="$root/tests/recording/python_without_renderdoc.sh" \
+    "$subpixel" import "$rdc" "$folder/out/x.spcap"
+fi
+
+[ "$failures" = 0 ] || { echo "$failures failures"; exit 1; }
