@@ -107,9 +107,6 @@ std::vector<PassRecorder::Use> PassRecorder::uses_of(const std::vector<Binding>&
       case Binding::Kind::storage_write:
         use.state.access |= VK_ACCESS_2_SHADER_WRITE_BIT;
         break;
-      case Binding::Kind::image_read:
-        use.state.layout = VK_IMAGE_LAYOUT_GENERAL;
-        break;
       case Binding::Kind::image_write:
         use.state.layout = VK_IMAGE_LAYOUT_GENERAL;
         use.state.access |= VK_ACCESS_2_SHADER_WRITE_BIT;
@@ -204,7 +201,6 @@ void PassRecorder::bind(VkCommandBuffer commands, VkPipelineBindPoint point, con
         images[i] = {binding.sampler ? binding.sampler->handle() : nearest_.handle(), binding.image->view(),
                      VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
         break;
-      case Binding::Kind::image_read:
       case Binding::Kind::image_write:
         write.dstBinding = kStorageImageBinding + binding.slot;
         write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
@@ -227,7 +223,6 @@ std::uint32_t binding_of(const Binding& binding) {
       return kStorageBinding + binding.slot;
     case Binding::Kind::sampled:
       return kSampledBinding + binding.slot;
-    case Binding::Kind::image_read:
     case Binding::Kind::image_write:
       return kStorageImageBinding + binding.slot;
   }

@@ -63,7 +63,7 @@ class AddressTable {
 };
 
 struct Binding {
-  enum class Kind { uniform, storage_read, storage_write, sampled, image_read, image_write };
+  enum class Kind { uniform, storage_read, storage_write, sampled, image_write };
   Kind kind = Kind::storage_read;
   std::uint32_t slot = 0;  // within its kind's range: storage 0..10, sampled 0..7, storage image 0..3
   Buffer* buffer = nullptr;
