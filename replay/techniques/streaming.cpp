@@ -47,6 +47,9 @@ gpu::Constants streaming_constants(const FrameSetup& setup) {
   if (setup.choice("merge_weight") == "coverage") options |= STREAM_WEIGHT_COVERAGE;
   if (setup.choice("occlusion") == "depth_test") options |= STREAM_DEPTH_TESTED;
   if (setup.choice("depth_space") == "clip") options |= STREAM_CLIP_SPACE;
+  // With the depth test of each sample the stored masks are what shows.
+  if (setup.choice("discard") == "resolved" || setup.choice("occlusion") == "depth_test")
+    options |= STREAM_DISCARD_RESOLVED;
   const auto cosine = static_cast<float>(std::cos(setup.number("normal_angle")));
   return {{10, surfaces(setup)}, {11, std::bit_cast<std::uint32_t>(cosine)}, {12, options}};
 }
@@ -248,6 +251,10 @@ const Technique kStreaming{
          "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the depth test of "
          "the sample",
          {"intervals", "depth_test"}),
+     choice_parameter("discard",
+                      "which surface has to go: the one with the fewest samples that nothing nearer covers, as in the "
+                      "authors' code, or with the smallest depth-resolved mask, as the text can be read",
+                      {"uncovered", "resolved"}),
      choice_parameter("depth_space", "surfaces keep depth and derivatives along the view, or of the depth buffer",
                       {"view", "clip"}),
      order_parameter(), alpha_parameter(), resolve_parameter(), shading_parameter()},

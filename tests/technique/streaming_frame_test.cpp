@@ -28,6 +28,7 @@ Options options_of(const FrameSetup& setup) {
   o.merge_coverage = setup.parameters.at("merge_coverage").get<bool>();
   o.weight_by_coverage = setup.choice("merge_weight") == "coverage";
   o.depth_tested = setup.choice("occlusion") == "depth_test";
+  o.discard_by_resolved = o.depth_tested || setup.choice("discard") == "resolved";
   return o;
 }
 
