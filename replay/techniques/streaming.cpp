@@ -21,6 +21,9 @@ gpu::Constants streaming_constants(const StreamingSetup& setup) {
   if (p.merge_weight == StreamingWeight::coverage) options |= STREAM_WEIGHT_COVERAGE;
   if (p.occlusion == StreamingOcclusion::depth_test) options |= STREAM_DEPTH_TESTED;
   if (p.depth_space == StreamingDepth::clip) options |= STREAM_CLIP_SPACE;
+  // With the depth test of each sample the stored masks are what shows.
+  if (p.discard == StreamingDiscard::resolved || p.occlusion == StreamingOcclusion::depth_test)
+    options |= STREAM_DISCARD_RESOLVED;
   const auto cosine = static_cast<float>(std::cos(p.normal_angle));
   return {{STREAM_CONSTANT_SURFACES, p.surfaces},
           {STREAM_CONSTANT_COS_NORMAL_ANGLE, std::bit_cast<std::uint32_t>(cosine)},
@@ -134,6 +137,11 @@ const Technique kStreaming = TechniqueOf<StreamingParameters>{
                    "what takes a sample from the surfaces behind: a nearer depth interval, as published, or the "
                    "depth test of the sample",
                    {{"intervals", StreamingOcclusion::intervals}, {"depth_test", StreamingOcclusion::depth_test}}),
+               field::choice(
+                   "discard", &StreamingParameters::discard,
+                   "which surface has to go: the one with the fewest samples that nothing nearer covers, as in the "
+                   "authors' code, or with the smallest depth-resolved mask, as the text can be read",
+                   {{"uncovered", StreamingDiscard::uncovered}, {"resolved", StreamingDiscard::resolved}}),
                field::choice("depth_space", &StreamingParameters::depth_space,
                              "surfaces keep depth and derivatives along the view, or of the depth buffer",
                              {{"view", StreamingDepth::view}, {"clip", StreamingDepth::clip}}),

@@ -10,6 +10,7 @@ namespace subpixel::replay {
 
 enum class StreamingWeight { equal, coverage };
 enum class StreamingOcclusion { intervals, depth_test };
+enum class StreamingDiscard { uncovered, resolved };
 enum class StreamingDepth { view, clip };
 
 struct StreamingParameters : OrderedParameters {
@@ -18,6 +19,7 @@ struct StreamingParameters : OrderedParameters {
   bool merge_normals = true, merge_depth = true, merge_coverage = true;
   StreamingWeight merge_weight = StreamingWeight::equal;
   StreamingOcclusion occlusion = StreamingOcclusion::intervals;
+  StreamingDiscard discard = StreamingDiscard::uncovered;
   StreamingDepth depth_space = StreamingDepth::view;
 };
 using StreamingSetup = SetupFor<StreamingParameters>;

@@ -40,6 +40,14 @@ float grazing_reflectance(vec3 reflectance) {
   return clamp(50.0 * max(max(reflectance.r, reflectance.g), reflectance.b), 0.0, 1.0);
 }
 
+// Directional albedo of the specular lobe: Karis 2014, "Physically based shading on mobile".
+vec3 environment_reflectance(vec3 reflectance, float grazing, float roughness, float normal_view) {
+  vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+  float a004 = min(r.x * r.x, exp2(-9.28 * normal_view)) * r.x + r.y;
+  vec2 scale_bias = vec2(-1.04, 1.04) * a004 + r.zw;
+  return clamp(reflectance * scale_bias.x + grazing * scale_bias.y, 0.0, 1.0);
+}
+
 Brdf prepare_brdf(Surface s, vec3 view) {
   Brdf b;
   b.normal = s.normal;
@@ -58,11 +66,7 @@ Brdf prepare_brdf(Surface s, vec3 view) {
   b.smith_view = sqrt(b.normal_view * b.normal_view * (1.0 - b.alpha_squared) + b.alpha_squared);
   // Matches the lobe of the GGX distribution near its peak (Walter et al. 2007, section 5.1 for the relation).
   b.exponent = 2.0 / b.alpha_squared - 2.0;
-  // Directional albedo of the specular lobe: Karis 2014, "Physically based shading on mobile".
-  vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
-  float a004 = min(r.x * r.x, exp2(-9.28 * b.normal_view)) * r.x + r.y;
-  vec2 scale_bias = vec2(-1.04, 1.04) * a004 + r.zw;
-  vec3 specular = clamp(b.reflectance * scale_bias.x + b.grazing * scale_bias.y, 0.0, 1.0);
+  vec3 specular = environment_reflectance(b.reflectance, b.grazing, roughness, b.normal_view);
   b.ambient = diffuse_colour * (1.0 - specular) + specular;
   return b;
 }

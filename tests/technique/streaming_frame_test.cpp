@@ -28,6 +28,7 @@ Options options_of(const StreamingSetup& setup) {
   o.merge_coverage = setup.parameters.merge_coverage;
   o.weight_by_coverage = setup.parameters.merge_weight == replay::StreamingWeight::coverage;
   o.depth_tested = setup.parameters.occlusion == replay::StreamingOcclusion::depth_test;
+  o.discard_by_resolved = o.depth_tested || setup.parameters.discard == replay::StreamingDiscard::resolved;
   return o;
 }
 

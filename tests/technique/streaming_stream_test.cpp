@@ -87,7 +87,7 @@ std::vector<std::uint32_t> run_on_device(const Case& wanted, const WordLayout& l
   const std::uint32_t options =
       (o.merge_normals ? STREAM_MERGE_NORMALS : 0u) | (o.merge_depth ? STREAM_MERGE_DEPTH : 0u) |
       (o.merge_coverage ? STREAM_MERGE_COVERAGE : 0u) | (o.weight_by_coverage ? STREAM_WEIGHT_COVERAGE : 0u) |
-      (o.depth_tested ? STREAM_DEPTH_TESTED : 0u);
+      (o.depth_tested ? STREAM_DEPTH_TESTED : 0u) | (o.discard_by_resolved ? STREAM_DISCARD_RESOLVED : 0u);
   const std::uint32_t features = FEATURE_METAL | (wanted.varying_roughness ? FEATURE_VARYING_ROUGHNESS : 0u) |
                                  (wanted.emissive ? FEATURE_EMISSIVE : 0u);
   gpu::ComputePass pass;
@@ -149,8 +149,10 @@ TEST(StreamingStream, AgreesForEveryNumberOfSurfacesAndSamples) {
       wanted.options.surfaces = surfaces;
       wanted.varying_roughness = surfaces % 2 == 0;
       wanted.emissive = surfaces > 2;
-      for (const bool depth_tested : {false, true}) {
+      // The depth test's stored masks are what shows, so that the technique discards by them.
+      for (const auto& [depth_tested, by_resolved] : {std::pair{false, false}, {false, true}, {true, true}}) {
         wanted.options.depth_tested = depth_tested;
+        wanted.options.discard_by_resolved = by_resolved;
         expect_same_surfaces(wanted, seed++);
       }
     }

@@ -112,7 +112,8 @@ struct Options {
   float cos_normal_angle = 0.70710678f;
   bool merge_normals = true, merge_depth = true, merge_coverage = true;
   bool weight_by_coverage = false;
-  bool depth_tested = false;  // not in the paper: see `add`
+  bool depth_tested = false;         // not in the paper: see `add`
+  bool discard_by_resolved = false;  // counts stored masks, not what nothing nearer covers
 };
 
 struct Pixel {
@@ -148,8 +149,8 @@ class Compressor {
     }
     insert(fragment);
     if (pixel_.surfaces.size() > options_.surfaces) {
-      fuse_occluders();
-      discard_one();
+      const std::vector<int> shown = fuse_occluders();
+      discard_one(shown);
     }
   }
 
@@ -215,24 +216,29 @@ class Compressor {
   }
 
   // Front to back: the occluder so far, fused of all in front, takes its samples off one that lies wholly behind it.
-  void fuse_occluders() {
+  // Returns how many samples each surface shows, for the choice of the one to discard.
+  std::vector<int> fuse_occluders() {
     auto& list = pixel_.surfaces;
+    std::vector<int> shown = {std::popcount(list[0].resolved)};
     std::uint32_t samples = list[0].coverage;
     float farthest = list[0].farthest();
     for (std::size_t i = 1; i < list.size(); ++i) {
       const bool disjoint = list[i].nearest() > farthest;
-      if (disjoint) list[i].resolved &= ~samples;
+      const std::uint32_t uncovered = list[i].resolved & ~samples;
+      if (disjoint) list[i].resolved = uncovered;
+      shown.push_back(std::popcount(options_.discard_by_resolved ? list[i].resolved : uncovered));
       samples |= list[i].coverage;
       farthest = std::max(farthest, list[i].farthest());
     }
+    return shown;
   }
 
-  void discard_one() {
+  void discard_one(const std::vector<int>& shown) {
     auto& list = pixel_.surfaces;
     std::size_t least = 0;
     for (std::size_t i = 1; i < list.size(); ++i)
-      if (std::popcount(list[i].resolved) <= std::popcount(list[least].resolved)) least = i;
-    const auto lost = static_cast<std::uint32_t>(std::popcount(list[least].resolved));
+      if (shown[i] <= shown[least]) least = i;
+    const auto lost = static_cast<std::uint32_t>(shown[least]);
     pixel_.discarded = pixel_.discarded || lost > 0;
     pixel_.dropped_samples += lost;
     list.erase(list.begin() + static_cast<std::ptrdiff_t>(least));

@@ -34,6 +34,30 @@ float quadratic(vec3 diagonal, vec3 mixed, vec3 x) {
 }
 float quadratic(vec3 matrix, vec2 x) { return matrix.x * x.x * x.x + 2.0 * matrix.y * x.x * x.y + matrix.z * x.y * x.y; }
 
+// Variance over the normals of their cosine with the unit vector `direction`.
+float cosine_variance(Lobe lobe, vec3 direction) {
+  if (agaa_option(AGAA_SGGX)) {
+    float mean = dot(lobe.mean, direction);
+    return max(quadratic(lobe.moments, lobe.mixed_moments, direction) - mean * mean, 0.0);
+  }
+  float c = dot(lobe.brdf.normal, direction);
+  return lobe.spread.y + (lobe.spread.x - lobe.spread.y) * c * c;
+}
+
+// What a uniform environment adds: its mean over the normals, each with the material's own roughness, by three points of
+// Gauss and Hermite in the cosine with the view. At the mean direction with the widened roughness, as a light's highlight
+// is filtered, it would be too dark at grazing angles and too bright head-on.
+vec3 filtered_ambient(Lobe lobe, vec3 diffuse, float roughness) {
+  float mean = dot(lobe.mean, lobe.brdf.view), reach = sqrt(3.0 * cosine_variance(lobe, lobe.brdf.view));
+  vec3 at[3];
+  for (int i = 0; i < 3; ++i) {
+    float cosine = clamp(mean + float(i - 1) * reach, kCosineFloor, 1.0);
+    vec3 specular = environment_reflectance(lobe.brdf.reflectance, lobe.brdf.grazing, roughness, cosine);
+    at[i] = diffuse * (1.0 - specular) + specular;
+  }
+  return at[1] + (at[0] + at[2] - 2.0 * at[1]) * (1.0 / 6.0);
+}
+
 Lobe prepare_lobe(Aggregate a, vec3 view) {
   Lobe lobe;
   float mean_length = min(length(a.normal), 1.0);
@@ -94,14 +118,11 @@ Lobe prepare_lobe(Aggregate a, vec3 view) {
     float sloped = quadratic(lobe.matrix, vec2(dot(lobe.tangent, view), dot(lobe.bitangent, view)));
     b.smith_view = sqrt(b.normal_view * b.normal_view + sloped);
   }
-  // As prepare_brdf() of brdf.glsl.
-  float roughness = sqrt(sqrt(filtered));
-  vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
-  float a004 = min(r.x * r.x, exp2(-9.28 * b.normal_view)) * r.x + r.y;
-  vec2 scale_bias = vec2(-1.04, 1.04) * a004 + r.zw;
-  vec3 specular = clamp(b.reflectance * scale_bias.x + b.grazing * scale_bias.y, 0.0, 1.0);
-  b.ambient = a.diffuse * (1.0 - specular) + specular;
   lobe.brdf = b;
+  // Where the roughness is only known as part of the normals' spread, there is no other.
+  float roughness =
+      agaa_option(AGAA_ROUGHNESS_IN_NORMAL) ? sqrt(sqrt(filtered)) : clamp(a.roughness, kRoughnessFloor, 1.0);
+  lobe.brdf.ambient = filtered_ambient(lobe, a.diffuse, roughness);
   return lobe;
 }
 
@@ -109,14 +130,7 @@ Lobe prepare_lobe(Aggregate a, vec3 view) {
 // (m + sqrt(m^2 + 2 v / pi)) / 2: exact for v = 0, and at m = 0 for a normal distribution. Filters diffuse light as Baker and
 // Hill 2012 do with a table, by moments that Toksvig's vector or the second moments give.
 float filtered_cosine(Lobe lobe, vec3 light) {
-  float mean = dot(lobe.mean, light);
-  float variance;
-  if (agaa_option(AGAA_SGGX)) {
-    variance = max(quadratic(lobe.moments, lobe.mixed_moments, light) - mean * mean, 0.0);
-  } else {
-    float c = dot(lobe.brdf.normal, light);
-    variance = lobe.spread.y + (lobe.spread.x - lobe.spread.y) * c * c;
-  }
+  float mean = dot(lobe.mean, light), variance = cosine_variance(lobe, light);
   return 0.5 * (mean + sqrt(mean * mean + (2.0 / kPi) * variance));
 }
 

@@ -5,7 +5,10 @@
 //
 // Where the paper leaves a choice: of several surfaces that a fragment could merge with, the nearest takes it; of equal
 // depths, the earlier is in front; the fused occluder reaches from the nearest to the farthest depth of its parts; of
-// equal coverages, the farthest is discarded; a merged surface keeps the nearer depth.
+// what shows equally little, the farthest is discarded. As the authors' public code has it (Merge.hlsl and DepthTests.hlsl
+// of kerzner/streaming-g-buffer-compression): a merged surface keeps the nearer depth, and the surface that shows least
+// is the one with the fewest depth-resolved samples that nothing nearer covers, whether or not depth intervals overlap;
+// overlap decides only what is stored. STREAM_DISCARD_RESOLVED counts the stored masks instead.
 #ifndef SUBPIXEL_STREAMING_COMPRESS_GLSL
 #define SUBPIXEL_STREAMING_COMPRESS_GLSL
 
@@ -136,7 +139,8 @@ uint stream_place(StreamSurface surface[STREAM_MAX_SURFACES], uint listed, float
 }
 
 // Section 3.2.1, with the array full: fuses the surfaces and the fragment from front to back, takes hidden samples off their
-// depth-resolved coverages, and returns the slot of the one to discard, SURFACES for the fragment. `left`: its coverage.
+// depth-resolved coverages, and returns the slot of the one to discard, SURFACES for the fragment. `left`: how many samples
+// it shows.
 uint stream_fuse(inout StreamSurface surface[STREAM_MAX_SURFACES], uint order, inout StreamSurface fragment, out uint left) {
   uint place = stream_place(surface, (1u << SURFACES) - 1u, fragment.depth);
   vec2 own_interval = stream_interval(fragment.depth, fragment.slopes);
@@ -154,13 +158,14 @@ uint stream_fuse(inout StreamSurface surface[STREAM_MAX_SURFACES], uint order, i
       coverage = here ? surface[i].coverage : coverage;
       resolved = here ? surface[i].resolved : resolved;
     }
+    uint shown = resolved & ~fused;
     // Depths rise with k, so intervals that don't overlap lie one behind the other. Nothing is fused before the first.
     resolved &= interval.x > farthest ? ~fused : ~0u;
     farthest = k == 0u ? interval.y : max(farthest, interval.y);
     fused |= coverage;
     for (uint i = 0u; i < SURFACES; ++i) surface[i].resolved = !own && slot == i ? resolved : surface[i].resolved;
     fragment.resolved = own ? resolved : fragment.resolved;
-    uint samples = bitCount(resolved);
+    uint samples = bitCount(stream_option(STREAM_DISCARD_RESOLVED) ? resolved : shown);
     discarded = samples <= left ? (own ? SURFACES : slot) : discarded;
     left = min(left, samples);
   }

@@ -19,6 +19,7 @@ namespace subpixel::gpu_types {
 #define STREAM_MERGE_DEPTH 2u
 #define STREAM_MERGE_COVERAGE 4u
 #define STREAM_WEIGHT_COVERAGE 8u  // a merge weights both sides by their samples, not equally
+#define STREAM_DISCARD_RESOLVED 64u   // the smallest depth-resolved mask has to go, as the text can be read
 #define STREAM_CLIP_SPACE 16u      // depths and slopes of reversed depth, not of the distance along the view
 #define STREAM_DEPTH_TESTED 32u    // beyond the paper: the depth test of each sample decides what hides it
 
