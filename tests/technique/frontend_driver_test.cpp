@@ -52,6 +52,7 @@ std::vector<std::uint32_t> driver_samples(gpu::Device& device, FrontendRun& run)
   pass.name = "driver";
   pass.pipeline.vertex = "tests/driver_triangle.vert";
   pass.pipeline.fragment = "tests/driver_triangle.frag";
+  pass.pipeline.constants = run.frontend.constants();
   pass.pipeline.targets.samples = VK_SAMPLE_COUNT_4_BIT;
   pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_GREATER;
