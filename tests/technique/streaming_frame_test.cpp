@@ -50,6 +50,8 @@ PixelStreams streams_of(const StreamingSetup& setup, const WordLayout& layout) {
   pass.name = "stream";
   pass.shader = "tests/streaming_fragments.comp";
   pass.constants = common_constants(setup);
+  pass.constants.emplace_back(STREAM_CONSTANT_SURFACES, setup.parameters.surfaces);
+  pass.constants.emplace_back(STREAM_CONSTANT_COS_NORMAL_ANGLE, 0);  // nothing merges in this pass
   pass.constants.emplace_back(STREAM_CONSTANT_OPTIONS,
                               setup.parameters.depth_space == replay::StreamingDepth::clip ? STREAM_CLIP_SPACE : 0u);
   pass.bindings = {gpu::writes(STREAM_TEST_SLOT_OF_FRAME, stream)};
