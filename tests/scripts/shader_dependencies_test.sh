@@ -7,9 +7,15 @@ spirv=$1
 shaders=$(cd "$(dirname "$0")/../../shaders" && pwd)
 fail() { echo "shader dependencies: $*" >&2; exit 1; }
 
+# Shaders name files from the root of shaders/, headers that the host includes too from where they are.
 declare -A includes_of
 while IFS= read -r file; do
-  includes_of[$file]=$(cd "$shaders" && sed -n 's/^ *# *include "\(.*\)".*/\1/p' "$file")
+  names=""
+  while IFS= read -r name; do
+    [ -e "$shaders/$name" ] || name=$(realpath -m --relative-to="$shaders" "$shaders/$(dirname "$file")/$name")
+    names+="$name"$'\n'
+  done < <(sed -n 's/^ *# *include "\(.*\)".*/\1/p' "$shaders/$file")
+  includes_of[$file]=$names
 done < <(cd "$shaders" && find . -type f | sed 's|^\./||')
 
 # The files of ours that a shader can reach, itself among them.
@@ -30,7 +36,7 @@ while read -r file; do
   shader=${file#"$spirv/"} shader=${shader%.spv}
   [ -e "$shaders/$shader" ] || shader=${shader%.*}  # its variant
   [ -e "$shaders/$shader" ] || continue             # of a shader that is no more
-  recorded=$(tr ' ' '\n' <"$file.d" | sed -n "s|^$shaders/||p" | sort -u)
+  recorded=$(tr ' ' '\n' <"$file.d" | grep -F "$shaders/" | xargs realpath -m --relative-to="$shaders" | sort -u)
   grep -qxF "$shader" <<<"$recorded" || fail "$file: its own source is not recorded"
   reached=$(reachable "$shader" | sort)
   extra=$(comm -23 <(echo "$recorded") <(echo "$reached") | tr '\n' ' ')
