@@ -49,10 +49,9 @@ Mipmaps decode_file(const capture::Texture& texture) {
   OIIO::Filesystem::IOProxy* proxy = &memory;
   config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   const std::string name = "texture." + format_extension(texture);
-  // Opening tries the reader twice, and the one of DDS does not go back to the beginning for the second time.
+  // Finding a reader by a file's name reads its head, and the one of DDS does not go back to the beginning.
   const bool is_dds = name.ends_with(".dds");
-  auto input =
-      is_dds ? OIIO::ImageInput::create(name, false, &config, &memory) : OIIO::ImageInput::open(name, &config, &memory);
+  auto input = is_dds ? OIIO::ImageInput::create("dds") : OIIO::ImageInput::open(name, &config, &memory);
   OIIO::ImageSpec opened;
   if (is_dds && input && !input->open(name, opened, config)) {
     throw InputError(title(texture), "can't be decoded: " + input->geterror(), name);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
+#include <span>
 
 #include "base/error.hpp"
 #include "replay/measure/image.hpp"
@@ -88,6 +90,36 @@ TEST(SceneTextures, DecodesImageFilesOfOneToFourChannels) {
     EXPECT_TRUE(decoded.srgb);
     EXPECT_EQ(std::vector<std::uint8_t>(decoded.levels[0].begin(), decoded.levels[0].begin() + 4), expected)
         << channels << " channels";
+  }
+}
+
+// A file of 4x4 red texels: the first block colour, which index 0 means.
+std::vector<std::byte> dds_file(const char (&code)[5], std::uint32_t dxgi_format,
+                                const std::vector<unsigned char>& block) {
+  std::vector<std::uint32_t> words(dxgi_format != 0 ? 37 : 32);
+  words[0] = 0x20534444, words[1] = 124, words[2] = 0x81007, words[3] = 4, words[4] = 4;  // "DDS ", sizes
+  words[5] = static_cast<std::uint32_t>(block.size());
+  words[19] = 32, words[20] = 4, words[27] = 0x1000;
+  std::memcpy(&words[21], code, 4);
+  if (dxgi_format != 0) words[32] = dxgi_format, words[33] = 3, words[35] = 1;
+  const auto head = std::as_bytes(std::span(words)), tail = std::as_bytes(std::span(block));
+  std::vector<std::byte> file(head.begin(), head.end());
+  file.insert(file.end(), tail.begin(), tail.end());
+  return file;
+}
+
+TEST(SceneTextures, DecodesBlockCompressedFiles) {
+  capture::Texture texture;
+  texture.encoding = capture::TextureEncoding::image_file;
+  const std::vector<unsigned char> red{0x00, 0xf8, 0, 0, 0, 0, 0, 0};
+  for (const auto& file : {dds_file("DXT1", 0, red), dds_file("DX10", 71, red)}) {
+    texture.bytes = file;
+    const Mipmaps image = decode_texture(texture);
+    ASSERT_EQ(image.width, 4u);
+    for (std::size_t i = 0; i < 16; ++i) {
+      EXPECT_EQ(std::vector<std::uint8_t>(image.levels[0].begin() + 4 * i, image.levels[0].begin() + 4 * i + 4),
+                (std::vector<std::uint8_t>{255, 0, 0, 255}));
+    }
   }
 }
 
