@@ -111,16 +111,23 @@ std::vector<std::byte> dds_file(const char (&code)[5], std::uint32_t dxgi_format
 TEST(SceneTextures, DecodesBlockCompressedFiles) {
   capture::Texture texture;
   texture.encoding = capture::TextureEncoding::image_file;
-  const std::vector<unsigned char> red{0x00, 0xf8, 0, 0, 0, 0, 0, 0};
-  for (const auto& file : {dds_file("DXT1", 0, red), dds_file("DX10", 71, red)}) {
+  // BC1 by its FourCC, and BC7, which has none: red, and a block of mode 6 whose end points are all 0.
+  std::vector<unsigned char> nothing(16);
+  nothing[0] = 0x40;
+  const std::vector<std::uint8_t> red{255, 0, 0, 255}, clear{0, 0, 0, 0};
+  for (const auto& [file, expected] : {std::pair{dds_file("DXT1", 0, {0x00, 0xf8, 0, 0, 0, 0, 0, 0}), red},
+                                       std::pair{dds_file("DX10", 98, nothing), clear}}) {
     texture.bytes = file;
     const Mipmaps image = decode_texture(texture);
     ASSERT_EQ(image.width, 4u);
     for (std::size_t i = 0; i < 16; ++i) {
       EXPECT_EQ(std::vector<std::uint8_t>(image.levels[0].begin() + 4 * i, image.levels[0].begin() + 4 * i + 4),
-                (std::vector<std::uint8_t>{255, 0, 0, 255}));
+                expected);
     }
   }
+  // What the reader does not know is said: BC1 without its FourCC.
+  texture.bytes = dds_file("DX10", 71, {0x00, 0xf8, 0, 0, 0, 0, 0, 0});
+  EXPECT_THROW(decode_texture(texture), InputError);
 }
 
 TEST(SceneTextures, BrokenFilesAreNamed) {
