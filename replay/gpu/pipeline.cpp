@@ -78,8 +78,7 @@ const std::vector<std::uint32_t>& PipelineCache::folder_constants(const std::str
   if (!is_new) return ids->second;
   for (const auto& embedded : shaders::all()) {
     if (!embedded.name.starts_with(folder)) continue;
-    for (const auto& constant : interface(std::string(embedded.name)).constants)
-      if (std::ranges::find(ids->second, constant.id) == ids->second.end()) ids->second.push_back(constant.id);
+    for (const auto& constant : interface(std::string(embedded.name)).constants) ids->second.push_back(constant.id);
   }
   return ids->second;
 }
