@@ -19,7 +19,7 @@ namespace subpixel::server {
 namespace {
 
 constexpr std::size_t kMaxNameBytes = 120;
-constexpr std::int64_t kMaxListed = 500;
+constexpr std::int64_t kMaxListedCaptures = 500;
 constexpr std::size_t kMaxTags = 20, kMaxTagBytes = 40;
 
 nlohmann::json capture_json(const CaptureRecord& capture) {
@@ -56,7 +56,7 @@ void Api::route_captures(HttpServer& http) {
     post_capture(request, response, read);
   });
   http.Get("/api/captures", [this](const Request& request, Response& response) {
-    const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListed, 100));
+    const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListedCaptures, 100));
     const auto offset = static_cast<std::uint64_t>(query_number(request, "offset", 0, INT64_MAX, 0));
     nlohmann::json list = nlohmann::json::array();
     for (const CaptureRecord& capture : store_.captures(limit, offset)) list.push_back(capture_json(capture));

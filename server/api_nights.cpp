@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::int64_t kMaxListed = 200;
+constexpr std::int64_t kMaxListedNights = 200;
 
 // A night in the list: how it ended, without what it measured.
 json short_json(const NightRecord& night) {
@@ -96,7 +96,7 @@ NightRecord Api::find_night(const std::string& id) const {
 }
 
 void Api::list_nights(const Request& request, Response& response) const {
-  const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListed, 30));
+  const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListedNights, 30));
   const std::int64_t before = query_number(request, "before", 1, INT64_MAX, 0);
   const std::vector<NightRecord> nights = nights_.nights(limit + 1, before, request.get_param_value("name"));
   json list = json::array();

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::int64_t kMaxListed = 200;
+constexpr std::int64_t kMaxListedRuns = 200;
 constexpr std::uint32_t kResultsAtATime = 32;
 constexpr std::chrono::milliseconds kHeartbeat{10'000};
 constexpr int kMaxStreams = 48;  // below the number of connections, so that plain requests always get through
@@ -238,12 +238,12 @@ std::optional<RunRecord> Api::equal_run(const std::string& capture, const replay
   const json wanted = request_of(options);
   std::int64_t before = 0;
   while (true) {
-    const std::vector<RunRecord> runs = store_.runs(kMaxListed, before, capture);
+    const std::vector<RunRecord> runs = store_.runs(kMaxListedRuns, before, capture);
     for (const RunRecord& run : runs) {
       const bool ended_badly = run.status == RunStatus::failed || run.status == RunStatus::cancelled;
       if (!ended_badly && request_of(run.options) == wanted) return run;
     }
-    if (runs.size() < kMaxListed) return std::nullopt;
+    if (runs.size() < kMaxListedRuns) return std::nullopt;
     before = runs.back().id;
   }
 }
@@ -267,7 +267,7 @@ void Api::post_run(const Request& request, Response& response, const httplib::Co
 }
 
 void Api::list_runs(const Request& request, Response& response) const {
-  const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListed, 50));
+  const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListedRuns, 50));
   const std::int64_t before = query_number(request, "before", 1, INT64_MAX, 0);
   const std::vector<RunRecord> runs = store_.runs(limit + 1, before, request.get_param_value("capture"));
   json list = json::array();
