@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "capture_format/reader.hpp"
+#include "capture_format/reading/reader.hpp"
 #include "replay/frontend/visibility.hpp"
 #include "replay/measure/percentiles.hpp"
 #include "scenes/generate/generate.hpp"

@@ -61,8 +61,8 @@ constexpr std::uint64_t aligned(std::uint64_t offset) {
   return (offset + kAlignment - 1) / kAlignment * kAlignment;
 }
 
-// The checksum of two stretches of bytes as if they were one; CRC-32 is in the low 32 bits, the others are 0.
-std::uint64_t checksum_of(std::span<const std::byte> first, std::span<const std::byte> second,
-                          Checksum kind = Checksum::xxh3_64);
+// XXH3-64 of two stretches of bytes as if they were one: the checksum of what is written here. A reader knows another
+// besides (reading/chunk_reader.hpp).
+std::uint64_t xxh3_64_of(std::span<const std::byte> first, std::span<const std::byte> second);
 
 }  // namespace subpixel::capture

@@ -38,7 +38,7 @@ class FileWriter {
     ByteWriter footer;
     footer.put(index_offset);
     footer.put(out_.bytes.size() + kFooterBytes);
-    footer.put(checksum_of(std::span(out_.bytes).first(kHeaderBytes), footer.bytes));
+    footer.put(xxh3_64_of(std::span(out_.bytes).first(kHeaderBytes), footer.bytes));
     for (const unsigned char c : kEndMagic) footer.put(c);
     out_.raw(footer.bytes);
     return std::move(out_.bytes);
@@ -62,7 +62,7 @@ class FileWriter {
     header.put(std::uint32_t{0});
     header.put(std::uint64_t{stored.size()});
     header.put(std::uint64_t{payload.size()});
-    header.put(checksum_of(header.bytes, stored));
+    header.put(xxh3_64_of(header.bytes, stored));
     out_.raw(header.bytes);
     out_.raw(stored);
     out_.bytes.resize(aligned(out_.bytes.size()));

@@ -16,7 +16,7 @@
 #include <span>
 
 #include "base/error.hpp"
-#include "capture_format/reader.hpp"
+#include "capture_format/reading/reader.hpp"
 #include "python/embedded.hpp"
 
 namespace subpixel::cli {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
-#include "capture_format/summary.hpp"
+#include "capture_format/reading/summary.hpp"
 
 namespace subpixel::cli {
 

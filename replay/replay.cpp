@@ -9,7 +9,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/hash.hpp"
-#include "capture_format/reader.hpp"
+#include "capture_format/reading/reader.hpp"
 #include "replay/frame/run_frame.hpp"
 #include "replay/gpu/litmus.hpp"
 #include "replay/host_clock.hpp"

@@ -7,6 +7,7 @@ cd "$(dirname "$0")/../.."
 layers='
 base:
 capture_format: base
+capture_format/reading: base capture_format
 scenes/builder: base capture_format
 scenes/generate: base capture_format scenes/builder
 scenes/import: base capture_format scenes/builder scenes/generate
@@ -14,7 +15,7 @@ shaders:
 replay/results: base capture_format
 replay/measure: base
 replay/gpu: base shaders
-replay: base capture_format shaders replay/results replay/measure replay/gpu
+replay: base capture_format capture_format/reading shaders replay/results replay/measure replay/gpu
 process: base
 web: base
 server/store: base replay/results

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "capture_format/reader.hpp"
+#include "capture_format/reading/reader.hpp"
 #include "capture_format/writer.hpp"
 #include "tests/technique/run_binary.hpp"
 

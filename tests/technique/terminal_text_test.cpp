@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture_format/reader.hpp"
+#include "capture_format/reading/reader.hpp"
 #include "capture_format/writer.hpp"
 #include "tests/technique/run_binary.hpp"
 

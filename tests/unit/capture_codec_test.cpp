@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "capture_format/chunk.hpp"
+#include "capture_format/reading/chunk_reader.hpp"
 #include "capture_format/record_writer.hpp"
 #include "capture_format/writer.hpp"
 #include "tests/unit/capture_fixture.hpp"

@@ -9,7 +9,7 @@
 
 #include "base/error.hpp"
 #include "capture_format/capture.hpp"
-#include "capture_format/reader.hpp"
+#include "capture_format/reading/reader.hpp"
 
 namespace subpixel::capture {
 

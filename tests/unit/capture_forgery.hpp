@@ -57,14 +57,14 @@ class Forgery {
     set(8, version);
     const std::span<const std::byte> all(bytes_);
     const std::size_t footer = bytes_.size() - kFooterBytes;
-    set(footer + 16, checksum_of(all.first(kHeaderBytes), all.subspan(footer, 16)));
+    set(footer + 16, xxh3_64_of(all.first(kHeaderBytes), all.subspan(footer, 16)));
   }
 
   void sign(std::size_t chunk_offset) {
     const std::span<const std::byte> all(bytes_);
     const auto stored = get<std::uint64_t>(chunk_offset + 16);
     if (stored > bytes_.size()) return;  // the lie is the size itself
-    set(chunk_offset + 32, checksum_of(all.subspan(chunk_offset, 32), all.subspan(chunk_offset + 40, stored)));
+    set(chunk_offset + 32, xxh3_64_of(all.subspan(chunk_offset, 32), all.subspan(chunk_offset + 40, stored)));
   }
 
   // Where in the first frame's payload a pattern of bytes stands, which must be there once.

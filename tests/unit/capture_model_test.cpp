@@ -8,9 +8,9 @@
 #include <map>
 
 #include "capture_format/checks.hpp"
+#include "capture_format/reading/summary.hpp"
+#include "capture_format/reading/validator.hpp"
 #include "capture_format/recorder.hpp"
-#include "capture_format/summary.hpp"
-#include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
 #include "scenes/builder/camera.hpp"
 #include "scenes/builder/mesh.hpp"

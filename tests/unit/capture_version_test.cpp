@@ -6,8 +6,8 @@
 
 #include "base/hash.hpp"
 #include "capture_format/limits.hpp"
+#include "capture_format/reading/validator.hpp"
 #include "capture_format/record_writer.hpp"
-#include "capture_format/validator.hpp"
 #include "tests/unit/capture_forgery.hpp"
 
 namespace subpixel::capture {

@@ -7,9 +7,9 @@
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
-#include "capture_format/reader.hpp"
+#include "capture_format/reading/reader.hpp"
+#include "capture_format/reading/validator.hpp"
 #include "capture_format/streams.hpp"
-#include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
 #include "scenes/builder/camera.hpp"
 #include "scenes/generate/generate.hpp"

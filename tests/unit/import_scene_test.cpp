@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "base/error.hpp"
+#include "capture_format/reading/validator.hpp"
 #include "capture_format/streams.hpp"
-#include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
 #include "scenes/import/import.hpp"
 #include "scenes/import/json_fields.hpp"

@@ -1,4 +1,4 @@
-#include "capture_format/summary.hpp"
+#include "capture_format/reading/summary.hpp"
 
 #include <algorithm>
 #include <set>

@@ -1,4 +1,4 @@
-#include "capture_format/chunk_reader.hpp"
+#include "capture_format/reading/chunk_reader.hpp"
 
 #include <zlib.h>
 #include <zstd.h>
@@ -215,6 +215,15 @@ std::vector<std::byte> decode_zlib(std::span<const std::byte> stored, const Chun
 }
 
 }  // namespace
+
+std::uint64_t checksum_of(std::span<const std::byte> first, std::span<const std::byte> second, Checksum kind) {
+  if (kind == Checksum::xxh3_64) return xxh3_64_of(first, second);
+  const auto* a = reinterpret_cast<const Bytef*>(first.data());
+  const auto* b = reinterpret_cast<const Bytef*>(second.data());
+  // A null pointer asks zlib for the initial value, which is that of no bytes.
+  const uLong of_first = ::crc32_z(0, first.empty() ? nullptr : a, first.size());
+  return second.empty() ? of_first : ::crc32_z(of_first, b, second.size());
+}
 
 std::string chunk_name(ChunkType type, std::uint32_t id) {
   const auto code = static_cast<std::uint32_t>(type);

@@ -7,7 +7,7 @@
 
 #include "capture_format/capture.hpp"
 #include "capture_format/checks.hpp"
-#include "capture_format/chunk_reader.hpp"
+#include "capture_format/reading/chunk_reader.hpp"
 
 namespace subpixel::capture {
 

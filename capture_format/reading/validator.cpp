@@ -1,4 +1,4 @@
-#include "capture_format/validator.hpp"
+#include "capture_format/reading/validator.hpp"
 
 #include <algorithm>
 #include <array>

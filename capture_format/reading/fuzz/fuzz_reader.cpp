@@ -6,10 +6,10 @@
 #include <span>
 
 #include "base/error.hpp"
-#include "capture_format/reader.hpp"
+#include "capture_format/reading/reader.hpp"
+#include "capture_format/reading/summary.hpp"
+#include "capture_format/reading/validator.hpp"
 #include "capture_format/streams.hpp"
-#include "capture_format/summary.hpp"
-#include "capture_format/validator.hpp"
 #include "capture_format/writer.hpp"
 
 namespace {

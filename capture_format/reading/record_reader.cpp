@@ -1,4 +1,4 @@
-#include "capture_format/record_reader.hpp"
+#include "capture_format/reading/record_reader.hpp"
 
 #include <string>
 

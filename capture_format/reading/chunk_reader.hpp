@@ -27,6 +27,9 @@ struct ChunkList {
   std::vector<ChunkAt> chunks;  // all but the index, in file order
 };
 
+// The checksum of two stretches of bytes as if they were one; CRC-32 is in the low 32 bits, the others are 0.
+std::uint64_t checksum_of(std::span<const std::byte> first, std::span<const std::byte> second, Checksum kind);
+
 std::string chunk_name(ChunkType type, std::uint32_t id);
 
 // Throws InputError("the capture can't be read", why, "byte N, chunk C, field F"); empty parts are left out.

@@ -1,4 +1,4 @@
-#include "capture_format/reader.hpp"
+#include "capture_format/reading/reader.hpp"
 
 #include <cstdio>
 #include <memory>
@@ -6,8 +6,8 @@
 
 #include "base/error.hpp"
 #include "capture_format/checks.hpp"
-#include "capture_format/chunk_reader.hpp"
-#include "capture_format/record_reader.hpp"
+#include "capture_format/reading/chunk_reader.hpp"
+#include "capture_format/reading/record_reader.hpp"
 
 namespace subpixel::capture {
 namespace {
