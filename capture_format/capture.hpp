@@ -95,7 +95,15 @@ enum class VertexFormat : std::uint32_t {
   unorm16x2 = 7,
   unorm8x4 = 8,
   unorm16x4 = 9,
+  octahedral_snorm8 = 10,  // a direction as two snorm8: Cigolle et al. 2014, the unit vector is decoded
+  octahedral_snorm16 = 11,
+  snorm10x3_2 = 12,  // 32 bits: x in the lowest ten, w in the highest two
+  unorm10x3_2 = 13,
+  float11x2_10 = 14,  // 32 bits of unsigned floats: x in the lowest eleven, z in the highest ten
+  float16x3 = 15,
+  snorm16x2 = 16,
 };
+inline constexpr VertexFormat kLastVertexFormat = VertexFormat::snorm16x2;
 
 // One vertex attribute: element i starts at byte `offset + i * stride` of buffer `buffer`.
 struct VertexStream {
@@ -105,9 +113,12 @@ struct VertexStream {
   std::uint32_t stride = 0;  // bytes
 };
 
-enum class IndexType : std::uint32_t { none = 0, uint16 = 1, uint32 = 2 };
+enum class IndexType : std::uint32_t { none = 0, uint16 = 1, uint32 = 2, uint8 = 3 };
 
-// One triangle-list draw call.
+// How indices (or vertices in order) make triangles; strips and fans as Vulkan numbers their corners.
+enum class Topology : std::uint32_t { triangle_list = 0, triangle_strip = 1, triangle_fan = 2 };
+
+// One draw call. What a reader returns is made of triangle lists: it turns strips and fans into them.
 struct Draw {
   std::string name;
   std::uint32_t material = 0;
@@ -116,7 +127,7 @@ struct Draw {
   IndexType index_type = IndexType::none;
   std::uint32_t index_buffer = kNone;
   std::uint64_t index_offset = 0;  // bytes
-  std::uint32_t index_count = 0;   // indices (index_type none: vertices) drawn; a multiple of 3
+  std::uint32_t index_count = 0;   // indices (index_type none: vertices) drawn; of a list a multiple of 3
   std::int32_t base_vertex = 0;    // added to every index
   std::uint32_t vertex_count = 0;  // vertices the streams hold; index + base_vertex must be below it
   Matrix4 transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // object to world
@@ -125,6 +136,8 @@ struct Draw {
   std::uint32_t instance_buffer = kNone;
   std::uint64_t instance_offset = 0;  // bytes
   std::uint32_t instance_count = 1;
+  Topology topology = Topology::triangle_list;
+  bool restart = false;  // of an indexed strip or fan: the index of all ones begins a new one
 };
 
 // How `projection` maps to clip space; replay converts to its own (Vulkan, reversed depth).

@@ -46,14 +46,14 @@ void check_side(std::string_view field, std::uint32_t side, std::uint32_t most, 
   if (side == 0 || side > most) report(field, std::to_string(side) + " is outside 1 to " + std::to_string(most));
 }
 
-void check_stream(const Capture& capture, const Draw& draw, const VertexStream& stream, const std::string& name,
+void check_stream(const DrawBounds& bounds, const Draw& draw, const VertexStream& stream, const std::string& name,
                   const Report& report) {
   if (stream.buffer == kNone) return;
-  if (stream.buffer >= capture.buffers.size()) {
-    report(name + ".buffer", below(stream.buffer, capture.buffers.size()));
+  if (stream.buffer >= bounds.buffer_bytes.size()) {
+    report(name + ".buffer", below(stream.buffer, bounds.buffer_bytes.size()));
     return;
   }
-  if (stream.format > VertexFormat::unorm16x4) {
+  if (stream.format > kLastVertexFormat) {
     report(name + ".format", std::to_string(static_cast<std::uint32_t>(stream.format)) + " is no vertex format");
     return;
   }
@@ -63,7 +63,7 @@ void check_stream(const Capture& capture, const Draw& draw, const VertexStream& 
     report(name + ".stride", std::to_string(stream.stride) + " bytes is less than an element");
     return;
   }
-  const std::uint64_t available = capture.buffers[stream.buffer].bytes.size();
+  const std::uint64_t available = bounds.buffer_bytes[stream.buffer];
   if (draw.vertex_count == 0) return;
   const std::uint64_t span_bytes = std::uint64_t{draw.vertex_count - 1} * stream.stride + element;
   if (!fits(stream.offset, span_bytes, available)) {
@@ -81,6 +81,9 @@ void check_colour_format(const VertexStream& colour, const Report& report) {
     case VertexFormat::float16x4:
     case VertexFormat::unorm8x4:
     case VertexFormat::unorm16x4:
+    case VertexFormat::unorm10x3_2:
+    case VertexFormat::float11x2_10:
+    case VertexFormat::float16x3:
       return;
     default:
       if (colour.buffer != kNone) {
@@ -89,8 +92,20 @@ void check_colour_format(const VertexStream& colour, const Report& report) {
   }
 }
 
-void check_indices(const Capture& capture, const Draw& draw, const Report& report) {
-  if (draw.index_count % 3 != 0) report("index_count", std::to_string(draw.index_count) + " is no multiple of 3");
+template <typename Enumeration>
+void check_enumeration(std::string_view field, Enumeration value, Enumeration last, const char* what,
+                       const Report& report) {
+  if (value > last) report(field, std::to_string(static_cast<std::uint32_t>(value)) + " is no " + what);
+}
+
+void check_indices(const DrawBounds& bounds, const Draw& draw, const Report& report) {
+  check_enumeration("topology", draw.topology, Topology::triangle_fan, "topology", report);
+  if (draw.topology == Topology::triangle_list && draw.index_count % 3 != 0) {
+    report("index_count", std::to_string(draw.index_count) + " is no multiple of 3");
+  }
+  if (draw.restart && (draw.topology == Topology::triangle_list || draw.index_type == IndexType::none)) {
+    report("restart", "set on a draw that is no indexed strip or fan");
+  }
   if (draw.index_type == IndexType::none) {
     if (draw.index_buffer != kNone) report("index_buffer", "set on a draw without indices");
     const std::int64_t last = std::int64_t{draw.base_vertex} + draw.index_count;
@@ -100,43 +115,36 @@ void check_indices(const Capture& capture, const Draw& draw, const Report& repor
     }
     return;
   }
-  if (draw.index_type > IndexType::uint32) {
+  if (draw.index_type > IndexType::uint8) {
     report("index_type", std::to_string(static_cast<std::uint32_t>(draw.index_type)) + " is no index type");
     return;
   }
-  if (draw.index_buffer >= capture.buffers.size()) {
-    report("index_buffer", below(draw.index_buffer, capture.buffers.size()));
+  if (draw.index_buffer >= bounds.buffer_bytes.size()) {
+    report("index_buffer", below(draw.index_buffer, bounds.buffer_bytes.size()));
     return;
   }
-  const std::uint64_t index_bytes = draw.index_type == IndexType::uint16 ? 2 : 4;
-  const std::uint64_t available = capture.buffers[draw.index_buffer].bytes.size();
-  if (!fits(draw.index_offset, index_bytes * draw.index_count, available)) {
+  const std::uint64_t available = bounds.buffer_bytes[draw.index_buffer];
+  if (!fits(draw.index_offset, std::uint64_t{index_bytes(draw.index_type)} * draw.index_count, available)) {
     report("index_offset", std::to_string(draw.index_count) + " indices at byte " + std::to_string(draw.index_offset) +
                                " leave the buffer's " + std::to_string(available) + " bytes");
   }
 }
 
-void check_instances(const Capture& capture, const Draw& draw, const Report& report) {
+void check_instances(const DrawBounds& bounds, const Draw& draw, const Report& report) {
   if (draw.instance_buffer == kNone) {
     if (draw.instance_count != 1) report("instance_count", "must be 1 without an instance buffer");
     return;
   }
-  if (draw.instance_buffer >= capture.buffers.size()) {
-    report("instance_buffer", below(draw.instance_buffer, capture.buffers.size()));
+  if (draw.instance_buffer >= bounds.buffer_bytes.size()) {
+    report("instance_buffer", below(draw.instance_buffer, bounds.buffer_bytes.size()));
     return;
   }
-  const std::uint64_t available = capture.buffers[draw.instance_buffer].bytes.size();
+  const std::uint64_t available = bounds.buffer_bytes[draw.instance_buffer];
   if (!fits(draw.instance_offset, std::uint64_t{draw.instance_count} * sizeof(Matrix4), available)) {
     report("instance_offset", std::to_string(draw.instance_count) + " matrices at byte " +
                                   std::to_string(draw.instance_offset) + " leave the buffer's " +
                                   std::to_string(available) + " bytes");
   }
-}
-
-template <typename Enumeration>
-void check_enumeration(std::string_view field, Enumeration value, Enumeration last, const char* what,
-                       const Report& report) {
-  if (value > last) report(field, std::to_string(static_cast<std::uint32_t>(value)) + " is no " + what);
 }
 
 void check_sampler(const Sampler& sampler, const Report& report) {
@@ -163,12 +171,14 @@ void check_cone(const SpotCone& cone, const Report& report) {
 }
 
 template <typename Index>
-std::pair<std::uint32_t, std::uint32_t> index_bounds(const std::byte* from, std::uint32_t count) {
+std::pair<std::uint32_t, std::uint32_t> index_bounds(const std::byte* from, std::uint32_t count,
+                                                     std::uint64_t left_out) {
   std::uint32_t lowest = kNone;
   std::uint32_t highest = 0;
   for (std::size_t i = 0; i < count; ++i) {
     Index index;
     std::memcpy(&index, from + i * sizeof index, sizeof index);
+    if (left_out == index) continue;
     lowest = std::min<std::uint32_t>(lowest, index);
     highest = std::max<std::uint32_t>(highest, index);
   }
@@ -176,6 +186,13 @@ std::pair<std::uint32_t, std::uint32_t> index_bounds(const std::byte* from, std:
 }
 
 }  // namespace
+
+std::vector<std::uint64_t> sizes_of(const std::vector<Buffer>& buffers) {
+  std::vector<std::uint64_t> sizes;
+  sizes.reserve(buffers.size());
+  for (const Buffer& buffer : buffers) sizes.push_back(buffer.bytes.size());
+  return sizes;
+}
 
 // Well-formed byte sequences as in the Unicode Standard, table 3-7.
 bool is_utf8(std::string_view text) {
@@ -330,24 +347,31 @@ void check_draw_list(const Frame& frame, const Report& report) {
   }
 }
 
-void check_draw(const Capture& capture, const Draw& draw, const Report& report) {
+void check_draw(const DrawBounds& bounds, const Draw& draw, const Report& report) {
   check_text("name", draw.name, report);
-  if (draw.material >= capture.materials.size()) report("material", below(draw.material, capture.materials.size()));
+  if (draw.material >= bounds.materials) report("material", below(draw.material, bounds.materials));
   if (draw.position.buffer == kNone) report("position.buffer", "absent");
-  check_stream(capture, draw, draw.position, "position", report);
-  check_stream(capture, draw, draw.normal, "normal", report);
-  check_stream(capture, draw, draw.uv, "uv", report);
-  check_stream(capture, draw, draw.tangent, "tangent", report);
-  check_stream(capture, draw, draw.uv2, "uv2", report);
-  check_stream(capture, draw, draw.colour, "colour", report);
+  check_stream(bounds, draw, draw.position, "position", report);
+  check_stream(bounds, draw, draw.normal, "normal", report);
+  check_stream(bounds, draw, draw.uv, "uv", report);
+  check_stream(bounds, draw, draw.tangent, "tangent", report);
+  check_stream(bounds, draw, draw.uv2, "uv2", report);
+  check_stream(bounds, draw, draw.colour, "colour", report);
   check_colour_format(draw.colour, report);
-  check_indices(capture, draw, report);
-  check_instances(capture, draw, report);
+  check_indices(bounds, draw, report);
+  check_instances(bounds, draw, report);
 }
 
 void IndexChecker::check(const Capture& capture, const Draw& draw, const Report& report) {
+  check(
+      draw, [&](std::uint32_t buffer) { return std::span<const std::byte>(capture.buffers[buffer].bytes); }, report);
+}
+
+void IndexChecker::check(const Draw& draw,
+                         const std::function<std::span<const std::byte>(std::uint32_t buffer)>& bytes_of,
+                         const Report& report) {
   if (draw.index_type == IndexType::none || draw.index_count == 0) return;
-  const Key key{draw.index_buffer, draw.index_type, draw.index_offset, draw.index_count};
+  const Key key{draw.index_buffer, draw.index_type, draw.index_offset, draw.index_count, draw.restart};
   auto found = ranges_.find(key);
   if (found == ranges_.end()) {
     indices_read_ += draw.index_count;
@@ -356,12 +380,16 @@ void IndexChecker::check(const Capture& capture, const Draw& draw, const Report&
              "the draws' different index ranges hold more than " + std::to_string(kMaxIndicesChecked) + " indices");
       return;
     }
-    const std::byte* from = capture.buffers[draw.index_buffer].bytes.data() + draw.index_offset;
-    const auto [lowest, highest] = draw.index_type == IndexType::uint16
-                                       ? index_bounds<std::uint16_t>(from, draw.index_count)
-                                       : index_bounds<std::uint32_t>(from, draw.index_count);
+    const std::byte* from = bytes_of(draw.index_buffer).data() + draw.index_offset;
+    constexpr std::uint64_t kNoIndex = ~std::uint64_t{0};
+    const std::uint64_t cut = draw.restart ? restart_index(draw.index_type).value_or(kNone) : kNoIndex;
+    const auto [lowest, highest] =
+        draw.index_type == IndexType::uint8    ? index_bounds<std::uint8_t>(from, draw.index_count, cut)
+        : draw.index_type == IndexType::uint16 ? index_bounds<std::uint16_t>(from, draw.index_count, cut)
+                                               : index_bounds<std::uint32_t>(from, draw.index_count, cut);
     found = ranges_.emplace(key, Range{lowest, highest}).first;
   }
+  if (found->second.lowest > found->second.highest) return;  // nothing but restarts
   const std::int64_t lowest = std::int64_t{found->second.lowest} + draw.base_vertex;
   const std::int64_t highest = std::int64_t{found->second.highest} + draw.base_vertex;
   if (lowest < 0 || highest >= std::int64_t{draw.vertex_count}) {

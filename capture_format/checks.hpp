@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <vector>
 
 #include "capture_format/capture.hpp"
 
@@ -31,21 +33,32 @@ void check_frame(const Frame& frame, const Report& report);
 // The number of a frame's draws and of their triangles.
 void check_draw_list(const Frame& frame, const Report& report);
 
-// Everything of a draw but the values of its indices: references, ranges inside buffers, counts.
-void check_draw(const Capture& capture, const Draw& draw, const Report& report);
+// What the references and ranges of a draw are held to.
+struct DrawBounds {
+  std::span<const std::uint64_t> buffer_bytes;  // of each buffer
+  std::size_t materials = 0;
+};
 
-// Whether every index of a draw, base_vertex added, is below vertex_count. Draws whose other rules are broken must not
-// be given to it. Ranges met before cost nothing, so one checker serves all frames of one capture, whose buffers may
-// grow in number but not change.
+std::vector<std::uint64_t> sizes_of(const std::vector<Buffer>& buffers);
+
+// Everything of a draw but the values of its indices: references, ranges inside buffers, counts.
+void check_draw(const DrawBounds& bounds, const Draw& draw, const Report& report);
+
+// Whether every index of a draw but those that restart it, base_vertex added, is below vertex_count. Draws whose other
+// rules are broken must not be given to it. Ranges met before cost nothing, so one checker serves all frames of one
+// capture, whose buffers may grow in number but not change.
 class IndexChecker {
  public:
+  // `bytes_of` gives the bytes of a buffer, and is asked only for ranges that were not met before.
+  void check(const Draw& draw, const std::function<std::span<const std::byte>(std::uint32_t buffer)>& bytes_of,
+             const Report& report);
   void check(const Capture& capture, const Draw& draw, const Report& report);
 
  private:
   struct Range {
     std::uint32_t lowest, highest;
   };
-  using Key = std::tuple<std::uint32_t, IndexType, std::uint64_t, std::uint32_t>;  // buffer, type, offset, count
+  using Key = std::tuple<std::uint32_t, IndexType, std::uint64_t, std::uint32_t, bool>;  // ..., offset, count, restart
 
   std::map<Key, Range> ranges_;
   std::uint64_t indices_read_ = 0;

@@ -12,7 +12,7 @@ namespace subpixel::capture {
 // As PNG does: a high bit, both line ends and ctrl-Z, so that a text-mode copy damages the magic visibly.
 inline constexpr std::array<unsigned char, 8> kMagic{0x89, 'S', 'P', 'C', 'A', 'P', '\n', 0x1a};
 inline constexpr std::array<unsigned char, 8> kEndMagic{'S', 'P', 'C', 'A', 'P', 'E', 'N', 'D'};
-inline constexpr std::uint32_t kOldestVersion = 1, kNewestVersion = 2;
+inline constexpr std::uint32_t kOldestVersion = 1, kNewestVersion = 3;
 
 inline constexpr std::uint64_t kHeaderBytes = 16;       // magic, version, flags
 inline constexpr std::uint64_t kChunkHeaderBytes = 40;  // type, id, codec, reserved, stored, decoded, checksum
@@ -26,7 +26,7 @@ constexpr std::uint32_t four_cc(const char (&name)[5]) {
   return code;
 }
 
-// In the order they stand in a file.
+// In the order they stand in a file of version 1 or 2, and in one written at once.
 enum class ChunkType : std::uint32_t {
   metadata = four_cc("META"),
   data = four_cc("DATA"),

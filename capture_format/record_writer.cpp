@@ -16,18 +16,25 @@ bool needs_version_2(const Material& material) {
          material.emissive_uv != UvMapping{};
 }
 
-bool needs_version_2(const Draw& draw) {
-  const auto is_new = [](const VertexStream& stream) {
-    return stream.buffer != kNone && stream.format > VertexFormat::unorm16x2;
-  };
-  return draw.uv2.buffer != kNone || draw.colour.buffer != kNone || is_new(draw.position) || is_new(draw.normal) ||
-         is_new(draw.uv) || is_new(draw.tangent);
+std::uint32_t version_of(const VertexStream& stream) {
+  if (stream.buffer == kNone || stream.format <= VertexFormat::unorm16x2) return 1;
+  return stream.format <= VertexFormat::unorm16x4 ? 2 : 3;
 }
 
-bool needs_version_2(const Frame& frame) {
-  return std::any_of(frame.point_lights.begin(), frame.point_lights.end(),
-                     [](const PointLight& light) { return light.cone.has_value(); }) ||
-         std::any_of(frame.draws.begin(), frame.draws.end(), [](const Draw& draw) { return needs_version_2(draw); });
+std::uint32_t version_of(const Draw& draw) {
+  std::uint32_t version = draw.uv2.buffer != kNone || draw.colour.buffer != kNone ? 2 : 1;
+  for (const VertexStream* stream : {&draw.position, &draw.normal, &draw.uv, &draw.tangent, &draw.uv2, &draw.colour}) {
+    version = std::max(version, version_of(*stream));
+  }
+  return draw.topology != Topology::triangle_list || draw.index_type == IndexType::uint8 ? 3 : version;
+}
+
+std::uint32_t version_of(const Frame& frame) {
+  const bool has_cones = std::any_of(frame.point_lights.begin(), frame.point_lights.end(),
+                                     [](const PointLight& light) { return light.cone.has_value(); });
+  std::uint32_t version = has_cones ? 2 : 1;
+  for (const Draw& draw : frame.draws) version = std::max(version, version_of(draw));
+  return version;
 }
 
 void put_uv_mapping(ByteWriter& out, const UvMapping& mapping) {
@@ -49,10 +56,10 @@ std::uint32_t needed_version(const Capture& capture) {
                        std::any_of(capture.textures.begin(), capture.textures.end(),
                                    [](const Texture& texture) { return texture.sampler != Sampler{}; }) ||
                        std::any_of(capture.materials.begin(), capture.materials.end(),
-                                   [](const Material& material) { return needs_version_2(material); }) ||
-                       std::any_of(capture.frames.begin(), capture.frames.end(),
-                                   [](const Frame& frame) { return needs_version_2(frame); });
-  return needs_2 ? 2 : 1;
+                                   [](const Material& material) { return needs_version_2(material); });
+  std::uint32_t version = needs_2 ? 2 : 1;
+  for (const Frame& frame : capture.frames) version = std::max(version, version_of(frame));
+  return version;
 }
 
 std::vector<std::byte> RecordWriter::metadata(const Metadata& metadata) const {
@@ -180,6 +187,10 @@ void RecordWriter::put_draw(ByteWriter& out, const Draw& draw) const {
   if (has_version_2()) {
     put_stream(out, draw.uv2);
     put_stream(out, draw.colour);
+  }
+  if (version_ >= 3) {
+    out.put(draw.topology);
+    out.put(std::uint32_t{draw.restart});
   }
 }
 

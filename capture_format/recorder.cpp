@@ -7,6 +7,7 @@
 #include "base/hash.hpp"
 #include "capture_format/checks.hpp"
 #include "capture_format/limits.hpp"
+#include "capture_format/texture_key.hpp"
 #include "capture_format/writer.hpp"
 
 namespace subpixel::capture {
@@ -36,6 +37,7 @@ std::uint32_t Recorder::add_buffer(std::string name, std::span<const std::byte> 
   Buffer buffer{std::move(name), {bytes.begin(), bytes.end()}};
   check_buffer(buffer, refuse("buffer"));
   const auto number = static_cast<std::uint32_t>(capture_.buffers.size());
+  buffer_bytes_.push_back(buffer.bytes.size());
   capture_.buffers.push_back(std::move(buffer));
   buffers_.emplace(hash, number);
   return number;
@@ -43,14 +45,7 @@ std::uint32_t Recorder::add_buffer(std::string name, std::span<const std::byte> 
 
 std::uint32_t Recorder::add_texture(Texture texture) {
   check_texture(texture, refuse("texture"));
-  const Sampler& sampler = texture.sampler;
-  std::string key = content_hash_hex(texture.bytes) + (texture.srgb ? " srgb " : " linear ");
-  for (const std::uint32_t part :
-       {texture.width, static_cast<std::uint32_t>(texture.encoding), static_cast<std::uint32_t>(sampler.wrap_u),
-        static_cast<std::uint32_t>(sampler.wrap_v), static_cast<std::uint32_t>(sampler.magnify),
-        static_cast<std::uint32_t>(sampler.minify), static_cast<std::uint32_t>(sampler.mip)}) {
-    key += std::to_string(part) + " ";
-  }
+  const std::string key = texture_key(texture);
   if (const auto found = textures_.find(key); found != textures_.end()) return found->second;
   require(capture_.textures.size() < kMaxTextures, "can't record the texture", "there are too many");
   const auto number = static_cast<std::uint32_t>(capture_.textures.size());
@@ -77,7 +72,7 @@ void Recorder::begin_frame(Frame frame) {
 void Recorder::draw(Draw draw) {
   require(frame_.has_value(), "can't record the draw", "no frame has begun");
   require(frame_->draws.size() < kMaxDraws, "can't record the draw", "the frame has too many");
-  check_draw(capture_, draw, refuse("draw"));
+  check_draw({buffer_bytes_, capture_.materials.size()}, draw, refuse("draw"));
   indices_.check(capture_, draw, refuse("draw"));
   frame_->draws.push_back(std::move(draw));
 }
@@ -93,6 +88,7 @@ Capture Recorder::take() {
   buffers_.clear();
   textures_.clear();
   indices_ = {};
+  buffer_bytes_.clear();
   return std::exchange(capture_, {});
 }
 

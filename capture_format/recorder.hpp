@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "capture_format/capture.hpp"
 #include "capture_format/checks.hpp"
@@ -52,6 +53,7 @@ class Recorder {
  private:
   Capture capture_;
   std::optional<Frame> frame_;
+  std::vector<std::uint64_t> buffer_bytes_;
   IndexChecker indices_;
   std::map<std::string, std::uint32_t> buffers_, textures_;  // by content hash
 };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,14 +20,23 @@ std::uint32_t element_bytes(VertexFormat format);
 std::vector<float> decode_stream(const Capture& capture, const VertexStream& stream, std::uint32_t count,
                                  std::uint32_t components);
 
-// The vertices of the draw in triangle-list order: index_count values below vertex_count, base_vertex added; an
-// unindexed draw gives 0, 1, 2, ...
+// The vertices of the draw in triangle-list order: three for each triangle, below vertex_count, base_vertex added; an
+// unindexed list gives 0, 1, 2, ... Strips and fans become lists: triangle i of a strip has the corners i, i + 1, i +
+// 2, the last two exchanged where i is odd, of a fan i + 1, i + 2, 0. Restarts begin anew.
 std::vector<std::uint32_t> decode_indices(const Capture& capture, const Draw& draw);
+
+// Turns every strip and fan into a list of the same triangles, whose indices are in one more buffer; nothing else is
+// changed. Throws InputError when that takes more than `most_bytes` or passes a limit.
+void make_triangle_lists(Capture& capture, std::uint64_t most_bytes);
 
 // Object-to-world matrices of the draw's instances: transform * instance matrix, instance_count of them.
 std::vector<Matrix4> world_transforms(const Capture& capture, const Draw& draw);
 
-// Triangles a draw submits, all instances together.
+std::uint32_t index_bytes(IndexType type);                   // of one index; 0 without
+std::optional<std::uint32_t> restart_index(IndexType type);  // that begins a new strip or fan
+
+// Triangles a draw submits, all instances together. Of strips and fans with restarts the most there can be; captures
+// that were read have none of them.
 std::uint64_t triangle_count(const Draw& draw);
 
 // a * b, each element summed in float from the first column's product on, so that every user gets the same bits.

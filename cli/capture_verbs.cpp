@@ -14,6 +14,7 @@
 #include "base/hash.hpp"
 #include "base/json_text.hpp"
 #include "base/printable.hpp"
+#include "capture_format/reading/capture_file.hpp"
 #include "capture_format/reading/reader.hpp"
 #include "capture_format/reading/summary.hpp"
 #include "capture_format/reading/validator.hpp"
@@ -89,8 +90,9 @@ struct FileArguments {
 
 int info(const FileArguments& arguments) {
   const std::filesystem::path path = arguments.file;
-  const capture::Capture read = capture::read_capture(path);
-  const nlohmann::json summary = capture::summarize(read, content_hash_hex(path), std::filesystem::file_size(path));
+  const capture::CaptureFile::Outline outline = capture::CaptureFile(path).outline();
+  const nlohmann::json summary = capture::summarize(outline.capture, outline.buffer_bytes, outline.texture_bytes,
+                                                    content_hash_hex(path), std::filesystem::file_size(path));
   if (arguments.json) {
     fmt::print("{}\n", json_text(summary, 2));
     return 0;
@@ -112,8 +114,24 @@ int info(const FileArguments& arguments) {
   return 0;
 }
 
+// A recording that broke off is not valid, and whoever asks wants to know what is left of it.
+capture::Capture read_or_say_what_is_whole(const std::filesystem::path& path) {
+  try {
+    return capture::read_capture(path);
+  } catch (const InputError& error) {
+    std::size_t frames = 0;
+    try {
+      frames = capture::recover_capture(path).capture.frames.size();
+    } catch (const InputError&) {
+      throw error;
+    }
+    throw InputError(error.what(),
+                     fmt::format("{} whole frames can be read; `subpixel repair FILE OUT` keeps them", frames), "");
+  }
+}
+
 int validate(const FileArguments& arguments) {
-  const capture::Capture read = capture::read_capture(arguments.file);
+  const capture::Capture read = read_or_say_what_is_whole(arguments.file);
   const std::vector<capture::Problem> problems = capture::validate_capture(read);
   std::size_t errors = 0;
   nlohmann::json list = nlohmann::json::array();
@@ -132,6 +150,30 @@ int validate(const FileArguments& arguments) {
   return errors == 0 ? 0 : 1;
 }
 
+struct RepairArguments {
+  std::string file, out;
+};
+
+int repair(const RepairArguments& arguments) {
+  const capture::Recovered recovered = capture::recover_capture(arguments.file);
+  if (recovered.capture.frames.empty()) {
+    throw InputError(arguments.file, "no frame of it is whole", recovered.stopped);
+  }
+  capture::write_capture(recovered.capture, arguments.out);
+  fmt::print("{}: {}\n", printable(arguments.out), written_summary(recovered.capture, arguments.out));
+  if (!recovered.stopped.empty()) fmt::print("what follows was lost: {}\n", printable(recovered.stopped));
+  return 0;
+}
+
+void add_repair(CLI::App& app, std::function<int()>& action) {
+  const auto arguments = std::make_shared<RepairArguments>();
+  CLI::App* const verb =
+      app.add_subcommand("repair", "Write the whole frames of a capture whose recording broke off as a capture");
+  verb->add_option("file", arguments->file, "What is left of the capture (.spcap or .spcap.part)")->required();
+  verb->add_option("out", arguments->out, "Capture to write")->required();
+  verb->callback([arguments, &action] { action = [arguments] { return repair(*arguments); }; });
+}
+
 void add_file_verb(CLI::App& app, std::function<int()>& action, const char* name, const char* description,
                    int (*run)(const FileArguments&)) {
   const auto arguments = std::make_shared<FileArguments>();
@@ -148,6 +190,7 @@ void add_capture_verbs(CLI::App& app, std::function<int()>& action) {
   add_file_verb(app, action, "info", "Say what a capture holds", &info);
   add_file_verb(app, action, "validate", "Look for mistakes in a capture; exit code 1 when there are errors",
                 &validate);
+  add_repair(app, action);
 }
 
 }  // namespace subpixel::cli

@@ -9,7 +9,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/hash.hpp"
-#include "capture_format/reading/reader.hpp"
+#include "capture_format/reading/capture_file.hpp"
 #include "replay/frame/run_frame.hpp"
 #include "replay/gpu/litmus.hpp"
 #include "replay/host_clock.hpp"
@@ -67,6 +67,13 @@ ReferenceKind reference_kind(const TechniqueSetting& setting) {
   return {setting.parameters->shading, setting.parameters->resolve};
 }
 
+// What is to be replayed of the capture; the other frames are empty, so that numbers stay.
+capture::Capture read_frames(const ReplayJob& job) {
+  const capture::CaptureFile file(job.capture);
+  const auto [first, last] = require_frames(job.options, file.frame_count());
+  return file.load(first, last);
+}
+
 class Replay {
  public:
   Replay(const ReplayJob& job, const ReplayEvents& events, const ReplayInspection& inspection)
@@ -75,7 +82,7 @@ class Replay {
         events_(events),
         inspection_(inspection),
         planned_(plan(job.options)),
-        capture_(capture::read_capture(job.capture)),
+        capture_(read_frames(job)),
         device_(device_options(inspection)) {}
 
   Results run();

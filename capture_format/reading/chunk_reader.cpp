@@ -4,6 +4,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <memory>
 #include <new>
@@ -37,6 +38,10 @@ bool checksum_holds(std::uint64_t stored, std::uint64_t computed) {
 #endif
 }
 
+std::size_t place_in_order(ChunkType type) {
+  return static_cast<std::size_t>(std::find(kChunkOrder.begin(), kChunkOrder.end(), type) - kChunkOrder.begin());
+}
+
 // The chunk header at `offset`, which the caller knows to lie inside the file; its payload must end by `end`.
 ChunkHeader load_header(std::span<const std::byte> file, std::uint64_t offset, std::uint64_t end,
                         const FileKind& kind) {
@@ -48,10 +53,9 @@ ChunkHeader load_header(std::span<const std::byte> file, std::uint64_t offset, s
   header.decoded_bytes = load<std::uint64_t>(file, offset + 24);
   header.checksum = load<std::uint64_t>(file, offset + 32);
   const std::string name = chunk_name(header.type, header.id);
-  if (std::find(kChunkOrder.begin(), kChunkOrder.end(), header.type) == kChunkOrder.end()) {
-    fail_reading("unknown chunk type", offset, name, "type");
-  }
-  if (header.codec > Codec::zlib) fail_reading("unknown codec", offset + 8, name, "codec");
+  const bool known = is_known(header.type);
+  if (!known && kind.version < 3) fail_reading("unknown chunk type", offset, name, "type");
+  if (known && header.codec > Codec::zlib) fail_reading("unknown codec", offset + 8, name, "codec");
   if (header.codec == Codec::zlib && kind.version < 2) {
     fail_reading("version 1 knows no zlib", offset + 8, name, "codec");
   }
@@ -74,20 +78,51 @@ ChunkHeader load_header(std::span<const std::byte> file, std::uint64_t offset, s
   return header;
 }
 
-std::size_t place_in_order(ChunkType type) {
-  return static_cast<std::size_t>(std::find(kChunkOrder.begin(), kChunkOrder.end(), type) - kChunkOrder.begin());
-}
+// Chunks of one type are numbered 0, 1, 2, ..., and before version 3 types stand in kChunkOrder.
+class ChunkOrder {
+ public:
+  explicit ChunkOrder(std::uint32_t version) : version_(version) {}
 
-// Chunks of one type are numbered 0, 1, 2, ... and types stand in kChunkOrder, so every number is there once.
-void require_order(const ChunkAt& chunk, const std::vector<ChunkAt>& before) {
-  const ChunkHeader& header = chunk.header;
-  const bool continues = !before.empty() && before.back().header.type == header.type;
-  const std::uint32_t expected = continues ? before.back().header.id + 1 : 0;
-  const std::string name = chunk_name(header.type, header.id);
-  if (!before.empty() && place_in_order(header.type) < place_in_order(before.back().header.type)) {
-    fail_reading("stands after a later kind of chunk", chunk.offset, name, "type");
+  void require(const ChunkAt& chunk) {
+    const ChunkHeader& header = chunk.header;
+    const std::string name = chunk_name(header.type, header.id);
+    const std::size_t place = place_in_order(header.type);
+    if (place == kChunkOrder.size()) return;  // of a kind that is skipped
+    if (version_ < 3 && place < last_place_) {
+      fail_reading("stands after a later kind of chunk", chunk.offset, name, "type");
+    }
+    if (header.type == ChunkType::index) fail_reading("the index stands last", chunk.offset, name, "type");
+    if (header.id != next_[place]) fail_reading("out of sequence", chunk.offset + 4, name, "id");
+    ++next_[place];
+    last_place_ = place;
   }
-  if (header.id != expected) fail_reading("out of sequence", chunk.offset + 4, name, "id");
+
+ private:
+  std::uint32_t version_;
+  std::array<std::uint32_t, kChunkOrder.size()> next_{};
+  std::size_t last_place_ = 0;
+};
+
+// The chunk at `offset` of a file whose chunks end at `end`, its padding looked at and its decoded size added to
+// those before it.
+ChunkAt next_chunk(std::span<const std::byte> file, std::uint64_t offset, std::uint64_t end, const FileKind& kind,
+                   const ReadLimits& limits, std::uint64_t& decoded_bytes) {
+  if (end - offset < kChunkHeaderBytes) fail_reading("no room for a chunk header", offset, "", "");
+  const ChunkAt chunk{load_header(file, offset, end, kind), offset, kind.checksum};
+  const std::string name = chunk_name(chunk.header.type, chunk.header.id);
+  if (is_known(chunk.header.type)) {
+    if (chunk.header.decoded_bytes > limits.decoded_bytes - decoded_bytes) {
+      fail_reading("more than " + std::to_string(limits.decoded_bytes) + " bytes in all", offset + 24, name,
+                   "decoded_bytes");
+    }
+    decoded_bytes += chunk.header.decoded_bytes;
+  }
+  const std::uint64_t payload_end = offset + kChunkHeaderBytes + chunk.header.stored_bytes;
+  if (aligned(payload_end) > end) fail_reading("no room for the padding", payload_end, name, "padding");
+  for (std::uint64_t i = payload_end; i < aligned(payload_end); ++i) {
+    if (file[i] != std::byte{0}) fail_reading("not 0", i, name, "padding");
+  }
+  return chunk;
 }
 
 std::uint64_t checked_footer(std::span<const std::byte> file, Checksum checksum) {
@@ -144,7 +179,7 @@ FileKind checked_kind(std::span<const std::byte> file) {
   kind.version = load<std::uint32_t>(file, 8);
   if (kind.version < kOldestVersion || kind.version > kNewestVersion) {
     fail_reading("version " + std::to_string(kind.version) + ", this program reads " + std::to_string(kOldestVersion) +
-                     " and " + std::to_string(kNewestVersion),
+                     " to " + std::to_string(kNewestVersion),
                  8, "header", "version");
   }
   const auto flags = load<std::uint32_t>(file, 12);
@@ -225,6 +260,10 @@ std::uint64_t checksum_of(std::span<const std::byte> first, std::span<const std:
   return second.empty() ? of_first : ::crc32_z(of_first, b, second.size());
 }
 
+bool is_known(ChunkType type) {
+  return place_in_order(type) < kChunkOrder.size();
+}
+
 std::string chunk_name(ChunkType type, std::uint32_t id) {
   const auto code = static_cast<std::uint32_t>(type);
   std::string name;
@@ -242,47 +281,68 @@ void fail_reading(const std::string& why, std::uint64_t offset, const std::strin
   throw InputError("the capture can't be read", why, where);
 }
 
-ChunkList list_chunks(std::span<const std::byte> file, const ReadLimits& limits) {
+FileKind file_kind(std::span<const std::byte> file) {
   if (file.size() < kMagic.size() || !has_magic(file, 0, kMagic)) {
     fail_reading("this is no .spcap capture", 0, "header", "magic");
   }
+  if (file.size() < kHeaderBytes) {
+    fail_reading("the file is truncated to " + std::to_string(file.size()) + " bytes", file.size(), "", "");
+  }
+  return checked_kind(file);
+}
+
+ChunkList list_chunks(std::span<const std::byte> file, const ReadLimits& limits) {
+  const FileKind kind = file_kind(file);
   if (file.size() < kHeaderBytes + kChunkHeaderBytes + kFooterBytes) {
     fail_reading("the file is truncated to " + std::to_string(file.size()) + " bytes", file.size(), "", "");
   }
-  const FileKind kind = checked_kind(file);
   const std::uint64_t index_offset = checked_footer(file, kind.checksum);
 
   std::vector<ChunkAt> chunks;
+  ChunkOrder order(kind.version);
   std::uint64_t decoded_bytes = 0;
-  std::uint64_t offset = kHeaderBytes;
-  while (offset < index_offset) {
-    if (index_offset - offset < kChunkHeaderBytes) fail_reading("no room for a chunk header", offset, "", "");
-    const ChunkAt chunk{load_header(file, offset, index_offset, kind), offset, kind.checksum};
-    require_order(chunk, chunks);
-    const std::string name = chunk_name(chunk.header.type, chunk.header.id);
-    if (chunk.header.decoded_bytes > limits.decoded_bytes - decoded_bytes) {
-      fail_reading("more than " + std::to_string(limits.decoded_bytes) + " bytes in all", offset + 24, name,
-                   "decoded_bytes");
-    }
-    decoded_bytes += chunk.header.decoded_bytes;
-    const std::uint64_t end = offset + kChunkHeaderBytes + chunk.header.stored_bytes;
-    for (std::uint64_t i = end; i < aligned(end); ++i) {  // both are multiples of 8 away from index_offset at most
-      if (file[i] != std::byte{0}) fail_reading("not 0", i, name, "padding");
-    }
-    chunks.push_back(chunk);
-    offset = aligned(end);
+  for (std::uint64_t offset = kHeaderBytes; offset < index_offset;) {
+    chunks.push_back(next_chunk(file, offset, index_offset, kind, limits, decoded_bytes));
+    order.require(chunks.back());
+    offset = aligned(offset + kChunkHeaderBytes + chunks.back().header.stored_bytes);
   }
   require_index(file, index_offset, chunks, kind);
   return {kind.version, std::move(chunks)};
 }
 
-std::vector<std::byte> decode_chunk(std::span<const std::byte> file, const ChunkAt& chunk) {
-  const std::string name = chunk_name(chunk.header.type, chunk.header.id);
+WholeChunks list_whole_chunks(std::span<const std::byte> file, const ReadLimits& limits) {
+  const FileKind kind = file_kind(file);
+  WholeChunks whole{{kind.version, {}}, ""};
+  ChunkOrder order(kind.version);
+  std::uint64_t decoded_bytes = 0;
+  try {
+    for (std::uint64_t offset = kHeaderBytes; offset < file.size();) {
+      const ChunkAt chunk = next_chunk(file, offset, file.size(), kind, limits, decoded_bytes);
+      if (chunk.header.type == ChunkType::index) break;
+      order.require(chunk);
+      verify_chunk(file, chunk);
+      whole.list.chunks.push_back(chunk);
+      offset = aligned(offset + kChunkHeaderBytes + chunk.header.stored_bytes);
+    }
+  } catch (const InputError& error) {
+    whole.stopped = error.what();
+  }
+  return whole;
+}
+
+void verify_chunk(std::span<const std::byte> file, const ChunkAt& chunk) {
   const auto stored = file.subspan(chunk.offset + kChunkHeaderBytes, chunk.header.stored_bytes);
   const auto head = file.subspan(chunk.offset, kChunkHeaderBytes - 8);
   if (!checksum_holds(chunk.header.checksum, checksum_of(head, stored, chunk.checksum))) {
-    fail_reading("the chunk's bytes are damaged", chunk.offset + 32, name, "checksum");
+    fail_reading("the chunk's bytes are damaged", chunk.offset + 32, chunk_name(chunk.header.type, chunk.header.id),
+                 "checksum");
   }
+}
+
+std::vector<std::byte> decode_chunk(std::span<const std::byte> file, const ChunkAt& chunk) {
+  const std::string name = chunk_name(chunk.header.type, chunk.header.id);
+  const auto stored = file.subspan(chunk.offset + kChunkHeaderBytes, chunk.header.stored_bytes);
+  verify_chunk(file, chunk);
   if (chunk.header.codec == Codec::raw) return {stored.begin(), stored.end()};
   if (chunk.header.codec == Codec::zlib) return decode_zlib(stored, chunk, name);
   return decode_zstd(stored, chunk, name);

@@ -24,11 +24,13 @@ struct ChunkAt {
 
 struct ChunkList {
   std::uint32_t version = kOldestVersion;
-  std::vector<ChunkAt> chunks;  // all but the index, in file order
+  std::vector<ChunkAt> chunks;  // all but the index, in file order; of version 3 also of kinds that are not known
 };
 
 // The checksum of two stretches of bytes as if they were one; CRC-32 is in the low 32 bits, the others are 0.
 std::uint64_t checksum_of(std::span<const std::byte> first, std::span<const std::byte> second, Checksum kind);
+
+bool is_known(ChunkType type);
 
 std::string chunk_name(ChunkType type, std::uint32_t id);
 
@@ -40,6 +42,20 @@ std::string chunk_name(ChunkType type, std::uint32_t id);
 // the chunks themselves, order and numbering, sizes against the file, padding, and that the decoded sizes together
 // stay within the limits. Payload checksums are left to decode_chunk().
 ChunkList list_chunks(std::span<const std::byte> file, const ReadLimits& limits);
+
+// The chunks that are whole from the file's beginning on, checksums verified; what ended them, empty when the index
+// did.
+struct WholeChunks {
+  ChunkList list;
+  std::string stopped;
+};
+
+// Of a file whose end may be missing or damaged, which says nothing of what stands before. Throws when it isn't a
+// capture of a version that is known.
+WholeChunks list_whole_chunks(std::span<const std::byte> file, const ReadLimits& limits);
+
+// Throws when the chunk's checksum does not hold.
+void verify_chunk(std::span<const std::byte> file, const ChunkAt& chunk);
 
 // The payload of a chunk from list_chunks(), its checksum verified, decompressed to exactly its decoded size.
 std::vector<std::byte> decode_chunk(std::span<const std::byte> file, const ChunkAt& chunk);

@@ -1,13 +1,18 @@
 #include "capture_format/reading/reader.hpp"
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "base/error.hpp"
 #include "capture_format/checks.hpp"
 #include "capture_format/reading/chunk_reader.hpp"
 #include "capture_format/reading/record_reader.hpp"
+#include "capture_format/streams.hpp"
 
 namespace subpixel::capture {
 namespace {
@@ -63,9 +68,17 @@ void require_fewer(const ChunkAt& chunk, std::size_t count, std::uint32_t most) 
 class CaptureReader {
  public:
   CaptureReader(std::span<const std::byte> file, std::uint32_t version, const ReadLimits& limits)
-      : file_(file), records_(version), data_(file, limits) {}
+      : file_(file), version_(version), limits_(limits), records_(version), data_(file, limits) {}
 
   void read(const ChunkAt& chunk) {
+    if (!is_known(chunk.header.type)) {
+      verify_chunk(file_, chunk);
+      skipped_.insert(chunk_name(chunk.header.type, chunk.header.id).substr(0, 4));
+      return;
+    }
+    if (metadata_read_ == 0 && chunk.header.type != ChunkType::metadata && version_ >= 3) {
+      fail_reading("stands before META", chunk.offset, chunk_name(chunk.header.type, chunk.header.id), "type");
+    }
     if (chunk.header.type == ChunkType::data) {
       data_.add(chunk);
       return;
@@ -87,13 +100,14 @@ class CaptureReader {
         read_texture(in);
         break;
       case ChunkType::material:
-        require_fewer(chunk, materials_read_, 1);
-        capture_.materials = records_.materials(in, capture_.textures.size());
-        ++materials_read_;
+        if (version_ < 3) require_fewer(chunk, materials_read_, 1);
+        read_materials(in);
         break;
       case ChunkType::frame:
         require_fewer(chunk, capture_.frames.size(), kMaxFrames);
-        capture_.frames.push_back(records_.frame(in, capture_, indices_));
+        capture_.frames.push_back(
+            records_.frame(in, {buffer_bytes_, capture_.materials.size()},
+                           [this](const Draw& draw, const Report& report) { indices_.check(capture_, draw, report); }));
         break;
       case ChunkType::data:
       case ChunkType::index:
@@ -106,6 +120,14 @@ class CaptureReader {
     if (metadata_read_ == 0) fail_reading("chunk META is missing", 0, "", "");
     if (materials_read_ == 0) fail_reading("chunk MATL is missing", 0, "", "");
     data_.require_all_used();
+    return finish_recovered();
+  }
+
+  // What was read so far, whatever is missing of it.
+  Capture finish_recovered() {
+    if (metadata_read_ == 0) fail_reading("chunk META is missing", 0, "", "");
+    add_skip_notice(capture_.metadata, skipped_);
+    make_triangle_lists(capture_, limits_.decoded_bytes);
     return std::move(capture_);
   }
 
@@ -115,6 +137,7 @@ class CaptureReader {
     buffer.name = in.text("name");
     buffer.bytes = data_.take(in);
     check_buffer(buffer, fail_in(in));
+    buffer_bytes_.push_back(buffer.bytes.size());
     capture_.buffers.push_back(std::move(buffer));
   }
 
@@ -126,11 +149,24 @@ class CaptureReader {
     capture_.textures.push_back(std::move(texture));
   }
 
+  void read_materials(FieldReader& in) {
+    std::vector<Material> more = records_.materials(in, capture_.textures.size());
+    if (more.size() > kMaxMaterials - capture_.materials.size()) {
+      in.fail("materials", "more than " + std::to_string(kMaxMaterials) + " in all");
+    }
+    std::move(more.begin(), more.end(), std::back_inserter(capture_.materials));
+    ++materials_read_;
+  }
+
   std::span<const std::byte> file_;
+  std::uint32_t version_;
+  ReadLimits limits_;
   RecordReader records_;
   Capture capture_;
   DataChunks data_;
+  std::vector<std::uint64_t> buffer_bytes_;
   IndexChecker indices_;
+  std::set<std::string> skipped_;  // kinds of chunks that are not known
   std::size_t metadata_read_ = 0;
   std::size_t materials_read_ = 0;
 };
@@ -152,6 +188,17 @@ std::vector<std::byte> file_bytes(const std::filesystem::path& path, const ReadL
   return bytes;
 }
 
+// `name` in front of what reading its bytes throws.
+template <typename Read>
+auto reading(const std::filesystem::path& path, const ReadLimits& limits, Read read) {
+  const std::vector<std::byte> bytes = file_bytes(path, limits);
+  try {
+    return read(bytes);
+  } catch (const InputError& error) {
+    throw InputError(path.string(), error.what(), "");
+  }
+}
+
 }  // namespace
 
 Capture decode_capture(std::span<const std::byte> bytes, const ReadLimits& limits) {
@@ -162,12 +209,23 @@ Capture decode_capture(std::span<const std::byte> bytes, const ReadLimits& limit
 }
 
 Capture read_capture(const std::filesystem::path& path, const ReadLimits& limits) {
-  const std::vector<std::byte> bytes = file_bytes(path, limits);
+  return reading(path, limits, [&](std::span<const std::byte> bytes) { return decode_capture(bytes, limits); });
+}
+
+Recovered recover_capture(std::span<const std::byte> bytes, const ReadLimits& limits) {
+  const WholeChunks whole = list_whole_chunks(bytes, limits);
+  CaptureReader reader(bytes, whole.list.version, limits);
+  std::string stopped = whole.stopped;
   try {
-    return decode_capture(bytes, limits);
+    for (const ChunkAt& chunk : whole.list.chunks) reader.read(chunk);
   } catch (const InputError& error) {
-    throw InputError(path.string(), error.what(), "");
+    stopped = error.what();
   }
+  return {reader.finish_recovered(), std::move(stopped)};
+}
+
+Recovered recover_capture(const std::filesystem::path& path, const ReadLimits& limits) {
+  return reading(path, limits, [&](std::span<const std::byte> bytes) { return recover_capture(bytes, limits); });
 }
 
 }  // namespace subpixel::capture

@@ -1,6 +1,7 @@
 #include "capture_format/reading/record_reader.hpp"
 
 #include <string>
+#include <utility>
 
 #include "capture_format/limits.hpp"
 
@@ -10,13 +11,20 @@ namespace {
 // Smallest encodings, for bounding counts before memory is taken for them: of version 1, and what version 2 adds.
 constexpr std::size_t kPointLightBytes = 28, kPointLightAddedBytes = 4;
 constexpr std::size_t kMaterialBytes = 68, kMaterialAddedBytes = 120;
-constexpr std::size_t kDrawBytes = 196, kDrawAddedBytes = 40;
+constexpr std::size_t kDrawBytes = 196, kDrawAddedBytes = 40, kDrawBytesAddedIn3 = 8;
 constexpr std::size_t kTextBytes = 4;
 
 }  // namespace
 
 Report fail_in(const FieldReader& in) {
   return [&in](std::string_view field, const std::string& why) { in.fail(field, why); };
+}
+
+void add_skip_notice(Metadata& metadata, const std::set<std::string>& kinds) {
+  if (kinds.empty() || metadata.notices.size() >= kMaxNotices) return;
+  std::string notice = "skipped on reading, of kinds that this program does not know: chunks";
+  for (const std::string& kind : kinds) notice += " " + kind;
+  if (notice.size() <= kMaxTextBytes) metadata.notices.push_back(std::move(notice));
 }
 
 Metadata RecordReader::metadata(FieldReader& in) const {
@@ -119,9 +127,12 @@ VertexStream RecordReader::stream(FieldReader& in, std::string_view name) const 
   VertexStream stream;
   stream.buffer = in.get<std::uint32_t>(name);
   stream.format = in.get<VertexFormat>(name);
-  if (!has_version_2_ && stream.buffer != kNone && stream.format > VertexFormat::unorm16x2) {
+  const VertexFormat last = version_ == 1   ? VertexFormat::unorm16x2
+                            : version_ == 2 ? VertexFormat::unorm16x4
+                                            : kLastVertexFormat;
+  if (version_ < 3 && stream.buffer != kNone && stream.format > last) {
     const std::string number = std::to_string(static_cast<std::uint32_t>(stream.format));
-    in.fail(std::string(name) + ".format", number + " is no vertex format of version 1");
+    in.fail(std::string(name) + ".format", number + " is no vertex format of version " + std::to_string(version_));
   }
   stream.offset = in.get<std::uint64_t>(name);
   stream.stride = in.get<std::uint32_t>(name);
@@ -137,6 +148,9 @@ Draw RecordReader::draw(FieldReader& in) const {
   draw.uv = stream(in, "uv");
   draw.tangent = stream(in, "tangent");
   draw.index_type = in.get<IndexType>("index_type");
+  if (version_ < 3 && draw.index_type == IndexType::uint8) {
+    in.fail("index_type", "3 is no index type of version " + std::to_string(version_));
+  }
   draw.index_buffer = in.get<std::uint32_t>("index_buffer");
   draw.index_offset = in.get<std::uint64_t>("index_offset");
   draw.index_count = in.get<std::uint32_t>("index_count");
@@ -150,10 +164,15 @@ Draw RecordReader::draw(FieldReader& in) const {
     draw.uv2 = stream(in, "uv2");
     draw.colour = stream(in, "colour");
   }
+  if (version_ >= 3) {
+    draw.topology = in.get<Topology>("topology");
+    draw.restart = in.flag("restart");
+  }
   return draw;
 }
 
-Frame RecordReader::frame(FieldReader& in, const Capture& capture, IndexChecker& indices) const {
+Frame RecordReader::frame(FieldReader& in, const DrawBounds& bounds,
+                          const std::function<void(const Draw&, const Report&)>& check_indices) const {
   Frame frame;
   frame.name = in.text("name");
   frame.time_s = in.get<double>("time_s");
@@ -176,14 +195,15 @@ Frame RecordReader::frame(FieldReader& in, const Capture& capture, IndexChecker&
   frame.point_lights.resize(in.count("point_lights", kMaxPointLights, light_bytes));
   for (PointLight& light : frame.point_lights) light = point_light(in);
   check_frame(frame, fail_in(in));
-  const std::size_t draw_bytes = kDrawBytes + (has_version_2_ ? kDrawAddedBytes : 0);
+  const std::size_t draw_bytes =
+      kDrawBytes + (has_version_2_ ? kDrawAddedBytes : 0) + (version_ >= 3 ? kDrawBytesAddedIn3 : 0);
   const std::uint32_t draw_count = in.count("draws", kMaxDraws, draw_bytes);
   frame.draws.reserve(draw_count);
   for (std::uint32_t i = 0; i < draw_count; ++i) {
     in.enter("draw", i);
     frame.draws.push_back(draw(in));
-    check_draw(capture, frame.draws.back(), fail_in(in));
-    indices.check(capture, frame.draws.back(), fail_in(in));
+    check_draw(bounds, frame.draws.back(), fail_in(in));
+    check_indices(frame.draws.back(), fail_in(in));
   }
   in.leave();
   check_draw_list(frame, fail_in(in));

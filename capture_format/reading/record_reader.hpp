@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <set>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,7 +18,7 @@ namespace subpixel::capture {
 // Every function throws InputError naming the first field that is missing or breaks a rule.
 class RecordReader {
  public:
-  explicit RecordReader(std::uint32_t version) : has_version_2_(version >= 2) {}
+  explicit RecordReader(std::uint32_t version) : version_(version), has_version_2_(version >= 2) {}
 
   Metadata metadata(FieldReader& in) const;
 
@@ -25,8 +28,9 @@ class RecordReader {
 
   std::vector<Material> materials(FieldReader& in, std::size_t texture_count) const;
 
-  // `capture` holds all buffers and materials.
-  Frame frame(FieldReader& in, const Capture& capture, IndexChecker& indices) const;
+  // Held to `bounds`; each draw is handed to `check_indices`, whose report names the draw's place.
+  Frame frame(FieldReader& in, const DrawBounds& bounds,
+              const std::function<void(const Draw&, const Report&)>& check_indices) const;
 
  private:
   UvMapping uv_mapping(FieldReader& in, std::string_view name) const;
@@ -35,8 +39,12 @@ class RecordReader {
   VertexStream stream(FieldReader& in, std::string_view name) const;
   Draw draw(FieldReader& in) const;
 
+  std::uint32_t version_;
   bool has_version_2_;
 };
+
+// Says in the notices that chunks of these kinds were skipped; nothing when there are none.
+void add_skip_notice(Metadata& metadata, const std::set<std::string>& kinds);
 
 // A report that throws, for checks of what was just read from `in`.
 Report fail_in(const FieldReader& in);

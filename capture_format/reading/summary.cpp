@@ -1,19 +1,18 @@
 #include "capture_format/reading/summary.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
+#include "capture_format/checks.hpp"
 #include "capture_format/streams.hpp"
 #include "capture_format/texture_reads.hpp"
 
 namespace subpixel::capture {
 namespace {
 
-template <typename Resource>
-nlohmann::json count_and_bytes(const std::vector<Resource>& resources) {
-  std::uint64_t bytes = 0;
-  for (const Resource& resource : resources) bytes += resource.bytes.size();
-  return {{"count", resources.size()}, {"bytes", bytes}};
+nlohmann::json count_and_bytes(std::span<const std::uint64_t> sizes) {
+  return {{"count", sizes.size()}, {"bytes", std::accumulate(sizes.begin(), sizes.end(), std::uint64_t{0})}};
 }
 
 std::uint64_t triangles_of(const Frame& frame) {
@@ -77,6 +76,14 @@ std::vector<std::string> used_features(const Capture& capture) {
 }
 
 nlohmann::json summarize(const Capture& capture, const std::string& hash, std::uint64_t file_bytes) {
+  std::vector<std::uint64_t> texture_bytes;
+  for (const Texture& texture : capture.textures) texture_bytes.push_back(texture.bytes.size());
+  return summarize(capture, sizes_of(capture.buffers), texture_bytes, hash, file_bytes);
+}
+
+nlohmann::json summarize(const Capture& capture, std::span<const std::uint64_t> buffer_bytes,
+                         std::span<const std::uint64_t> texture_bytes, const std::string& hash,
+                         std::uint64_t file_bytes) {
   nlohmann::json frames = nlohmann::json::array();
   std::uint64_t triangles = 0;
   std::size_t draws = 0;
@@ -107,8 +114,8 @@ nlohmann::json summarize(const Capture& capture, const std::string& hash, std::u
           {"triangles", triangles},
           {"draws", draws},
           {"point_lights", lights},
-          {"buffers", count_and_bytes(capture.buffers)},
-          {"textures", count_and_bytes(capture.textures)},
+          {"buffers", count_and_bytes(buffer_bytes)},
+          {"textures", count_and_bytes(texture_bytes)},
           {"materials", capture.materials.size()},
           {"features", used_features(capture)},
           {"frames", frames}};

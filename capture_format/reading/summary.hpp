@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,5 +23,10 @@ std::vector<std::string> used_features(const Capture& capture);
 // width and height are the first frame's; triangles, draws and point_lights those of the frame that has most of each.
 // `hash` is the content hash of the file, `file_bytes` its size.
 nlohmann::json summarize(const Capture& capture, const std::string& hash, std::uint64_t file_bytes);
+
+// The same of a capture whose buffers and textures have these sizes, whether or not their bytes are there.
+nlohmann::json summarize(const Capture& capture, std::span<const std::uint64_t> buffer_bytes,
+                         std::span<const std::uint64_t> texture_bytes, const std::string& hash,
+                         std::uint64_t file_bytes);
 
 }  // namespace subpixel::capture

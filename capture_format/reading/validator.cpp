@@ -37,7 +37,7 @@ bool is_singular(const Matrix4& matrix) {
 
 class Validation {
  public:
-  explicit Validation(const Capture& capture) : capture_(capture) {}
+  explicit Validation(const Capture& capture) : capture_(capture), sizes_(sizes_of(capture.buffers)) {}
 
   std::vector<Problem> run() {
     check_resources();
@@ -108,7 +108,7 @@ class Validation {
       is_sound = false;
       error(part + ", field " + std::string(field), why);
     };
-    check_draw(capture_, draw, report);
+    check_draw({sizes_, capture_.materials.size()}, draw, report);
     if (!is_sound) return;  // nothing below may look at ranges that are not there
     indices_.check(capture_, draw, report);
     if (!is_finite(draw.transform)) error(part + ", field transform", "not finite");
@@ -175,6 +175,7 @@ class Validation {
   using StreamKey = std::tuple<std::uint32_t, VertexFormat, std::uint64_t, std::uint32_t, std::uint32_t, std::string>;
 
   const Capture& capture_;
+  const std::vector<std::uint64_t> sizes_;  // of the buffers
   IndexChecker indices_;
   std::map<StreamKey, std::size_t> odd_counts_;
   std::set<std::tuple<std::uint32_t, std::uint32_t, bool>> uv_sets_noted_;  // material, set, whether it was there

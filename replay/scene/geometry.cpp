@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <stdexcept>
 #include <unordered_map>
 
 #include "base/error.hpp"
@@ -165,6 +166,8 @@ GeometryPlan plan_geometry(const capture::Capture& capture, VertexNeeds needs) {
     mesh_of_draw.reserve(draws.size());
     for (std::uint32_t d = 0; d < draws.size(); ++d) {
       const auto& draw = draws[d];
+      if (draw.topology != capture::Topology::triangle_list)
+        throw std::logic_error("strips and fans become lists before they are replayed (make_triangle_lists)");
       const auto& material = capture.materials[draw.material];
       const bool mapped = textures_of(material)[2] != capture::kNone;
       const capture::UvMapping mapping = normal_mapping(material);

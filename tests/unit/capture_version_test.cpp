@@ -189,12 +189,12 @@ const std::vector<Lie>& lies() {
       {"frame 0, field point_lights[1].cone.outer_cosine", [](Capture& c) { cone(c).outer_cosine = kNan; }},
       {"frame 0, field point_lights[1].cone.inner_cosine", [](Capture& c) { cone(c).inner_cosine = -0.25f; }},
       {"frame 0, draw 0, field uv2.buffer", [](Capture& c) { indexed(c).uv2.buffer = 6; }},
-      {"frame 0, draw 0, field uv2.format", [](Capture& c) { indexed(c).uv2.format = VertexFormat{10}; }},
+      {"frame 0, draw 0, field uv2.format", [](Capture& c) { indexed(c).uv2.format = VertexFormat{17}; }},
       {"frame 0, draw 0, field uv2.offset", [](Capture& c) { indexed(c).uv2.offset = 5; }},
       {"frame 0, draw 0, field uv2.offset", [](Capture& c) { indexed(c).uv2.offset = ~0ull; }},
       {"frame 0, draw 0, field uv2.stride", [](Capture& c) { indexed(c).uv2.stride = 7; }},
       {"frame 0, draw 0, field colour.buffer", [](Capture& c) { indexed(c).colour.buffer = 0xfffffffe; }},
-      {"frame 0, draw 0, field colour.format", [](Capture& c) { indexed(c).colour.format = VertexFormat{10}; }},
+      {"frame 0, draw 0, field colour.format", [](Capture& c) { indexed(c).colour.format = VertexFormat{17}; }},
       {"frame 0, draw 0, field colour.offset", [](Capture& c) { indexed(c).colour.offset = 9; }},
       {"frame 0, draw 0, field colour.stride", [](Capture& c) { indexed(c).colour.stride = 3; }}};
   return all;

@@ -1,0 +1,322 @@
+#include "capture_format/stream_recorder.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <zstd.h>
+
+#include <cerrno>
+#include <condition_variable>
+#include <cstdio>
+#include <cstring>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <string_view>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/hash.hpp"
+#include "capture_format/chunk_writer.hpp"
+#include "capture_format/record_writer.hpp"
+#include "capture_format/texture_key.hpp"
+
+namespace subpixel::capture {
+namespace {
+
+// Of the version in which chunks may stand in the order in which they come.
+const RecordWriter kRecords(3);
+
+Report refuse(std::string_view what) {
+  return [what](std::string_view field, const std::string& why) {
+    throw UsageError("can't record the " + std::string(what), why, "field " + std::string(field));
+  };
+}
+
+void require(bool holds, const char* what, const char* why) {
+  if (!holds) throw UsageError(what, why, "");
+}
+
+[[noreturn]] void fail(const std::filesystem::path& path, int error) {
+  throw InputError("can't write the recording", std::generic_category().message(error), path.string());
+}
+
+}  // namespace
+
+// Takes chunks and writes them in their order.
+class StreamRecorder::Writer {
+ public:
+  Writer(const std::filesystem::path& path, const StreamOptions& options)
+      : options_(options), path_(path), descriptor_(opened(path_)) {
+    thread_ = std::thread([this] { run(); });
+  }
+
+  ~Writer() {
+    stop();
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  const std::filesystem::path& path() const { return path_; }
+
+  void add(ChunkType type, std::uint32_t id, std::vector<std::byte> payload) {
+    std::unique_lock lock(mutex_);
+    require_no_error();
+    if (payload.size() > options_.most_bytes - total_bytes_) {
+      throw UsageError("can't record more", "the recording passes " + std::to_string(options_.most_bytes) + " bytes",
+                       path_.string());
+    }
+    has_room_.wait(lock, [&] { return queued_bytes_ == 0 || queued_bytes_ + payload.size() <= options_.queued_bytes; });
+    require_no_error();
+    total_bytes_ += payload.size();
+    queued_bytes_ += payload.size();
+    queue_.push_back({type, id, std::move(payload)});
+    has_work_.notify_one();
+  }
+
+  // The payload of DATA chunk `id`, which has been added, read back from the file.
+  std::vector<std::byte> read_back(std::uint32_t id) {
+    std::unique_lock lock(mutex_);
+    has_room_.wait(lock, [&] { return data_offsets_.size() > id || error_; });
+    require_no_error();
+    const std::uint64_t offset = data_offsets_[id];
+    lock.unlock();
+    std::vector<std::byte> header(kChunkHeaderBytes);
+    read_at(offset, header);
+    std::uint64_t stored_bytes = 0, decoded_bytes = 0;
+    Codec codec{};
+    std::memcpy(&codec, header.data() + 8, sizeof codec);
+    std::memcpy(&stored_bytes, header.data() + 16, sizeof stored_bytes);
+    std::memcpy(&decoded_bytes, header.data() + 24, sizeof decoded_bytes);
+    std::vector<std::byte> stored(stored_bytes);
+    read_at(offset + kChunkHeaderBytes, stored);
+    if (codec == Codec::raw) return stored;
+    std::vector<std::byte> decoded(decoded_bytes);
+    const std::size_t got = ZSTD_decompress(decoded.data(), decoded.size(), stored.data(), stored.size());
+    if (got != decoded.size()) fail(path_, EIO);
+    return decoded;
+  }
+
+  // Everything added is in the file, with its end, and on the disk.
+  void finish() {
+    stop();
+    require_no_error();
+    if (::fsync(descriptor_) != 0) fail(path_, errno);
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail(path_, errno);
+  }
+
+ private:
+  struct Chunk {
+    ChunkType type;
+    std::uint32_t id;
+    std::vector<std::byte> payload;
+  };
+
+  // A new file of that name, or with a number in it where there is one from before.
+  static int opened(std::filesystem::path& path) {
+    const std::filesystem::path wanted = path;
+    for (int attempt = 1; attempt <= 1000; ++attempt) {
+      path = wanted;
+      if (attempt > 1) path.concat(".").concat(std::to_string(attempt));
+      path += ".part";
+      const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (descriptor >= 0) return descriptor;
+      if (errno != EEXIST) fail(path, errno);
+    }
+    fail(path, EEXIST);
+  }
+
+  void require_no_error() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+  void write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) fail(path_, written < 0 ? errno : ENOSPC);
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+  }
+
+  void read_at(std::uint64_t offset, std::span<std::byte> to) const {
+    while (!to.empty()) {
+      const ssize_t got = ::pread(descriptor_, to.data(), to.size(), static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) fail(path_, got < 0 ? errno : EIO);
+      offset += static_cast<std::uint64_t>(got);
+      to = to.subspan(static_cast<std::size_t>(got));
+    }
+  }
+
+  void run() {
+    try {
+      ChunkWriter chunks(kRecords.version(), options_.zstd_level, [this](auto bytes) { write(bytes); });
+      std::unique_lock lock(mutex_);
+      while (true) {
+        has_work_.wait(lock, [&] { return !queue_.empty() || ending_; });
+        if (queue_.empty()) break;
+        const Chunk chunk = std::move(queue_.front());
+        queue_.pop_front();
+        lock.unlock();
+        const std::uint64_t offset = chunks.chunk(chunk.type, chunk.id, chunk.payload);
+        lock.lock();
+        if (chunk.type == ChunkType::data) data_offsets_.push_back(offset);
+        queued_bytes_ -= chunk.payload.size();
+        has_room_.notify_all();
+      }
+      lock.unlock();
+      chunks.finish();
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      error_ = std::current_exception();
+      queue_.clear();
+      queued_bytes_ = 0;
+      has_room_.notify_all();
+    }
+  }
+
+  void stop() {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+      has_work_.notify_one();
+    }
+    if (thread_.joinable()) thread_.join();
+  }
+
+  StreamOptions options_;
+  std::filesystem::path path_;
+  int descriptor_;
+  std::thread thread_;
+  std::mutex mutex_;
+  std::condition_variable has_work_, has_room_;
+  std::deque<Chunk> queue_;
+  std::uint64_t queued_bytes_ = 0, total_bytes_ = 0;
+  std::vector<std::uint64_t> data_offsets_;
+  std::exception_ptr error_;
+  bool ending_ = false;
+};
+
+StreamRecorder::StreamRecorder(const Metadata& metadata, const std::filesystem::path& path,
+                               const StreamOptions& options)
+    : options_(options), path_(path) {
+  check_metadata(metadata, refuse("metadata"));
+  writer_ = std::make_unique<Writer>(path, options);
+  part_path_ = writer_->path();
+  writer_->add(ChunkType::metadata, 0, kRecords.metadata(metadata));
+}
+
+StreamRecorder::~StreamRecorder() = default;
+
+std::uint32_t StreamRecorder::add_data(const std::string& hash, std::span<const std::byte> bytes) {
+  const auto [found, is_new] = data_.try_emplace(hash, static_cast<std::uint32_t>(data_.size()));
+  if (is_new) {
+    try {
+      writer_->add(ChunkType::data, found->second, {bytes.begin(), bytes.end()});
+    } catch (...) {
+      data_.erase(found);
+      throw;
+    }
+  }
+  return found->second;
+}
+
+std::uint32_t StreamRecorder::add_buffer(const std::string& name, std::span<const std::byte> bytes) {
+  const std::string hash = content_hash_hex(bytes);
+  if (const auto found = buffers_.find(hash); found != buffers_.end()) return found->second;
+  require(buffer_bytes_.size() < kMaxBuffers, "can't record the buffer", "there are too many");
+  const Buffer buffer{name, {}};
+  check_buffer(buffer, refuse("buffer"));
+  const auto number = static_cast<std::uint32_t>(buffer_bytes_.size());
+  const std::uint32_t data = add_data(hash, bytes);
+  writer_->add(ChunkType::buffer, number, kRecords.buffer(buffer, data));
+  buffer_bytes_.push_back(bytes.size());
+  buffer_data_.push_back(data);
+  buffers_.emplace(hash, number);
+  keep(number, {bytes.begin(), bytes.end()});
+  return number;
+}
+
+std::uint32_t StreamRecorder::add_texture(const Texture& texture) {
+  check_texture(texture, refuse("texture"));
+  const std::string key = texture_key(texture);
+  if (const auto found = textures_.find(key); found != textures_.end()) return found->second;
+  require(texture_count_ < kMaxTextures, "can't record the texture", "there are too many");
+  const std::uint32_t data = add_data(content_hash_hex(texture.bytes), texture.bytes);
+  writer_->add(ChunkType::texture, texture_count_, kRecords.texture(texture, data));
+  textures_.emplace(key, texture_count_);
+  return texture_count_++;
+}
+
+std::uint32_t StreamRecorder::add_material(Material material) {
+  check_material(material, texture_count_, refuse("material"));
+  require(material_count_ < kMaxMaterials, "can't record the material", "there are too many");
+  new_materials_.push_back(std::move(material));
+  return material_count_++;
+}
+
+void StreamRecorder::begin_frame(Frame frame) {
+  require(!frame_, "can't begin a frame", "the frame before has not ended");
+  require(frame.draws.empty(), "can't begin a frame", "it has draws already");
+  require(frame_count_ < kMaxFrames, "can't begin a frame", "there are too many");
+  check_frame(frame, refuse("frame"));
+  frame_ = std::move(frame);
+}
+
+void StreamRecorder::draw(Draw draw) {
+  require(frame_.has_value(), "can't record the draw", "no frame has begun");
+  require(frame_->draws.size() < kMaxDraws, "can't record the draw", "the frame has too many");
+  static const Report kRefuse = refuse("draw");
+  check_draw({buffer_bytes_, material_count_}, draw, kRefuse);
+  indices_.check(
+      draw, [this](std::uint32_t buffer) { return bytes_of(buffer); }, kRefuse);
+  frame_->draws.push_back(std::move(draw));
+}
+
+void StreamRecorder::end_frame() {
+  require(frame_.has_value(), "can't end the frame", "none has begun");
+  check_draw_list(*frame_, refuse("frame"));
+  flush_materials();
+  writer_->add(ChunkType::frame, frame_count_, kRecords.frame(*frame_));
+  ++frame_count_;
+  frame_.reset();
+}
+
+void StreamRecorder::flush_materials() {
+  // Every file has one such chunk at least.
+  if (new_materials_.empty() && material_chunks_ > 0) return;
+  writer_->add(ChunkType::material, material_chunks_, kRecords.materials(new_materials_));
+  ++material_chunks_;
+  new_materials_.clear();
+}
+
+void StreamRecorder::finish() {
+  require(!frame_, "can't finish the recording", "a frame has not ended");
+  flush_materials();
+  writer_->finish();
+  if (std::rename(part_path_.c_str(), path_.c_str()) != 0) fail(path_, errno);
+  const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : std::filesystem::path(".");
+  if (const int error = sync_folder(folder); error != 0) fail(path_, error);
+}
+
+std::span<const std::byte> StreamRecorder::bytes_of(std::uint32_t buffer) {
+  if (const auto found = kept_.find(buffer); found != kept_.end()) return found->second;
+  keep(buffer, writer_->read_back(buffer_data_[buffer]));
+  return kept_.at(buffer);
+}
+
+void StreamRecorder::keep(std::uint32_t buffer, std::vector<std::byte> bytes) {
+  // The oldest leave first, but never the one that is asked for.
+  kept_total_ += bytes.size();
+  kept_[buffer] = std::move(bytes);
+  while (kept_total_ > options_.kept_bytes && kept_.size() > 1) {
+    auto oldest = kept_.begin();
+    if (oldest->first == buffer) ++oldest;
+    kept_total_ -= oldest->second.size();
+    kept_.erase(oldest);
+  }
+}
+
+}  // namespace subpixel::capture

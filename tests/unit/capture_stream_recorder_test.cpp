@@ -1,0 +1,262 @@
+// Recordings that go to the file as they come: what is read of them whole, broken off at any byte, and in part.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "capture_format/reading/capture_file.hpp"
+#include "capture_format/reading/summary.hpp"
+#include "capture_format/reading/validator.hpp"
+#include "capture_format/recorder.hpp"
+#include "capture_format/stream_recorder.hpp"
+#include "capture_format/streams.hpp"
+#include "capture_format/writer.hpp"
+#include "tests/unit/capture_fixture.hpp"
+
+namespace subpixel::capture {
+namespace {
+
+class CaptureStreamRecorder : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::vector<std::byte> bytes_of_file(const std::filesystem::path& path) const {
+    std::ifstream in(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const auto bytes = std::as_bytes(std::span(text));
+    return {bytes.begin(), bytes.end()};
+  }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("subpixel_stream_" + std::to_string(::getpid()));
+  const std::filesystem::path path_ = folder_ / "recorded.spcap";
+};
+
+// A triangle whose vertices are others in each frame, beside a quad that stays; materials come as they are needed.
+template <typename Recorder>
+void record_frame(Recorder& recorder, std::uint32_t number) {
+  const auto f = static_cast<float>(number);
+  const std::vector<float> moved{0, f, -2, 1, f, -2, 0, f + 1, -2};
+  const std::vector<float> still{0, 0, -3, 1, 0, -3, 0, 1, -3, 1, 1, -3};
+  const std::vector<std::uint16_t> order{0, 1, 2, 2, 1, 3};
+  Texture texture{"dots", TextureEncoding::rgba8, true, 1, 1, std::vector<std::byte>(4, std::byte(number / 2)), {}};
+  Material material;
+  material.name = "material " + std::to_string(number);
+  material.base_colour_texture = recorder.add_texture(texture);
+  Draw first, second;
+  first.name = "moved";
+  first.position = {recorder.add_buffer("moved", std::as_bytes(std::span(moved))), VertexFormat::float32x3, 0, 12};
+  first.vertex_count = first.index_count = 3;
+  first.material = recorder.add_material(material);
+  second.name = "still";
+  second.position = {recorder.add_buffer("still", std::as_bytes(std::span(still))), VertexFormat::float32x3, 0, 12};
+  second.vertex_count = 4;
+  second.index_type = IndexType::uint16;
+  second.index_buffer = recorder.add_buffer("order", std::as_bytes(std::span(order)));
+  second.index_count = 6;
+  second.material = 0;
+  Frame frame;
+  frame.name = "frame " + std::to_string(number);
+  frame.view = frame.projection = Draw{}.transform;
+  recorder.begin_frame(frame);
+  recorder.draw(first);
+  recorder.draw(second);
+  recorder.end_frame();
+}
+
+constexpr std::uint32_t kFrames = 7;
+
+std::string draws_of(const Capture& capture, std::size_t frame) {
+  std::string text;
+  for (const Draw& draw : capture.frames[frame].draws) {
+    text += draw.name + " " + capture.materials[draw.material].name;
+    const std::uint32_t texture = capture.materials[draw.material].base_colour_texture;
+    text.append(" ").append(std::to_string(static_cast<int>(capture.textures[texture].bytes[0])));
+    const std::vector<float> positions = decode_stream(capture, draw.position, draw.vertex_count, 3);
+    for (const std::uint32_t i : decode_indices(capture, draw))
+      text.append(" ").append(std::to_string(positions[3 * i + 1]));
+    text += "\n";
+  }
+  return text;
+}
+
+Capture in_memory() {
+  Recorder recorder(Metadata{"Streamed", "a test", "a recorder", "CC0-1.0"});
+  for (std::uint32_t f = 0; f < kFrames; ++f) record_frame(recorder, f);
+  return recorder.take();
+}
+
+TEST_F(CaptureStreamRecorder, ReadsAsWhatTheOtherRecorderKeeps) {
+  StreamRecorder recorder(Metadata{"Streamed", "a test", "a recorder", "CC0-1.0"}, path_);
+  for (std::uint32_t f = 0; f < kFrames; ++f) record_frame(recorder, f);
+  EXPECT_FALSE(std::filesystem::exists(path_));
+  recorder.finish();
+  EXPECT_FALSE(std::filesystem::exists(recorder.part_path()));
+  const Capture read = read_capture(path_);
+  // The canonical file of both is the same: equal resources, numbers and draws.
+  EXPECT_EQ(encode_capture(read), encode_capture(in_memory()));
+  EXPECT_TRUE(validate_capture(read).empty() || validate_capture(read)[0].severity == Problem::Severity::note);
+}
+
+TEST_F(CaptureStreamRecorder, OneFrameLoadsWithWhatItUsesAlone) {
+  StreamRecorder recorder(Metadata{}, path_);
+  for (std::uint32_t f = 0; f < kFrames; ++f) record_frame(recorder, f);
+  recorder.finish();
+  const CaptureFile file(path_);
+  const Capture all = read_capture(path_);
+  ASSERT_EQ(file.frame_count(), kFrames);
+  for (std::size_t f = 0; f < kFrames; ++f) {
+    const Capture one = file.load(f, f);
+    ASSERT_EQ(one.frames.size(), kFrames);
+    EXPECT_EQ(draws_of(one, f), draws_of(all, f)) << f;
+    EXPECT_EQ(one.buffers.size(), 3u);
+    EXPECT_EQ(one.materials.size(), f == 0 ? 1u : 2u);
+    EXPECT_EQ(one.textures.size(), f < 2 ? 1u : 2u);
+    for (std::size_t other = 0; other < kFrames; ++other) EXPECT_TRUE(other == f || one.frames[other].draws.empty());
+    EXPECT_EQ(one.frames[0].name, "frame 0");
+  }
+  const CaptureFile::Outline outline = file.outline();
+  EXPECT_EQ(summarize(outline.capture, outline.buffer_bytes, outline.texture_bytes, "h", 1), summarize(all, "h", 1));
+}
+
+// At whatever byte a recording breaks off, what is read are the frames that were whole by then.
+TEST_F(CaptureStreamRecorder, EveryTruncationKeepsTheFramesBeforeIt) {
+  StreamRecorder recorder(Metadata{}, path_, {.zstd_level = 0});
+  for (std::uint32_t f = 0; f < kFrames; ++f) record_frame(recorder, f);
+  recorder.finish();
+  const std::vector<std::byte> bytes = bytes_of_file(path_);
+  const Capture all = read_capture(path_);
+  std::size_t most = 0;
+  for (std::size_t size = 0; size < bytes.size(); size += 3) {
+    const auto part = std::span(bytes).first(size);
+    EXPECT_NE(refusal(part), "") << size;
+    try {
+      const Recovered recovered = recover_capture(part);
+      const std::size_t frames = recovered.capture.frames.size();
+      EXPECT_GE(frames, most) << size;
+      most = std::max(most, frames);
+      for (std::size_t f = 0; f < frames; ++f) ASSERT_EQ(draws_of(recovered.capture, f), draws_of(all, f)) << size;
+      // What was recovered is a capture like others.
+      EXPECT_EQ(refusal(encode_capture(recovered.capture)), "") << size;
+    } catch (const InputError&) {
+      EXPECT_EQ(most, 0u) << size;
+    }
+  }
+  EXPECT_EQ(most, kFrames);
+  EXPECT_EQ(recover_capture(bytes).stopped, "");
+}
+
+TEST_F(CaptureStreamRecorder, AFlippedByteEndsWhatIsRead) {
+  StreamRecorder recorder(Metadata{}, path_, {.zstd_level = 0});
+  for (std::uint32_t f = 0; f < kFrames; ++f) record_frame(recorder, f);
+  recorder.finish();
+  std::vector<std::byte> bytes = bytes_of_file(path_);
+  bytes[bytes.size() / 2] ^= std::byte{4};
+  const Recovered recovered = recover_capture(bytes);
+  EXPECT_LT(recovered.capture.frames.size(), kFrames);
+  EXPECT_GT(recovered.capture.frames.size(), 0u);
+  EXPECT_NE(recovered.stopped.find("damaged"), std::string::npos) << recovered.stopped;
+}
+
+// The process that records is killed in the middle of its work.
+TEST_F(CaptureStreamRecorder, AKilledProcessLeavesWholeFrames) {
+  for (int wait_ms : {5, 20, 60}) {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      StreamRecorder recorder(Metadata{}, path_);
+      for (std::uint32_t f = 0; f < 60000; ++f) record_frame(recorder, f);
+      ::_exit(0);
+    }
+    ::usleep(static_cast<useconds_t>(1000 * wait_ms));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    const std::filesystem::path part = path_.string() + ".part";
+    ASSERT_TRUE(std::filesystem::exists(part) || wait_ms < 20);
+    if (!std::filesystem::exists(part) || std::filesystem::file_size(part) < 500) continue;
+    const Recovered recovered = recover_capture(part);
+    for (std::size_t f = 0; f < recovered.capture.frames.size(); f += 97) {
+      EXPECT_EQ(recovered.capture.frames[f].name, "frame " + std::to_string(f));
+      EXPECT_EQ(recovered.capture.frames[f].draws.size(), 2u);
+    }
+  }
+}
+
+TEST_F(CaptureStreamRecorder, AnOlderPartIsNeverWrittenOver) {
+  const std::filesystem::path part = path_.string() + ".part";
+  std::ofstream(part) << "frames of a crash";
+  StreamRecorder recorder(Metadata{}, path_);
+  record_frame(recorder, 0);
+  EXPECT_EQ(recorder.part_path(), path_.string() + ".2.part");
+  recorder.finish();
+  EXPECT_EQ(std::filesystem::file_size(part), 17u);
+  EXPECT_EQ(read_capture(path_).frames.size(), 1u);
+}
+
+TEST_F(CaptureStreamRecorder, BuffersThatLeftMemoryAreReadBack) {
+  StreamRecorder recorder(Metadata{}, path_, {.kept_bytes = 1});
+  const std::vector<float> positions(3000, 1.0f);
+  const std::vector<std::uint16_t> order{0, 1, 2, 999, 998, 1000};
+  const std::uint32_t vertices = recorder.add_buffer("v", std::as_bytes(std::span(positions)));
+  const std::uint32_t indices = recorder.add_buffer("i", std::as_bytes(std::span(order)));
+  recorder.add_buffer("other", std::as_bytes(std::span(positions).first(7)));
+  Draw draw;
+  draw.material = recorder.add_material({});
+  draw.position = {vertices, VertexFormat::float32x3, 0, 12};
+  draw.vertex_count = 1000;
+  draw.index_type = IndexType::uint16;
+  draw.index_buffer = indices;
+  draw.index_count = 3;
+  Frame frame;
+  frame.view = frame.projection = Draw{}.transform;
+  recorder.begin_frame(frame);
+  recorder.draw(draw);
+  draw.index_count = 6;  // 1000 is one too many
+  EXPECT_THROW(recorder.draw(draw), UsageError);
+  recorder.end_frame();
+  recorder.finish();
+  EXPECT_EQ(read_capture(path_).frames[0].draws.size(), 1u);
+}
+
+TEST_F(CaptureStreamRecorder, RefusesAtTheCallAndGoesOn) {
+  StreamRecorder recorder(Metadata{}, path_);
+  EXPECT_THROW(recorder.end_frame(), UsageError);
+  EXPECT_THROW(recorder.draw({}), UsageError);
+  Material material;
+  material.base_colour_texture = 0;
+  EXPECT_THROW(recorder.add_material(material), UsageError);
+  record_frame(recorder, 0);
+  Frame frame;
+  frame.view = frame.projection = Draw{}.transform;
+  recorder.begin_frame(frame);
+  EXPECT_THROW(recorder.draw({}), UsageError);
+  EXPECT_THROW(recorder.begin_frame(frame), UsageError);
+  EXPECT_THROW(recorder.finish(), UsageError);
+  recorder.end_frame();
+  recorder.finish();
+  EXPECT_EQ(read_capture(path_).frames.size(), 2u);
+}
+
+TEST_F(CaptureStreamRecorder, MoreThanReadersTakeIsRefused) {
+  StreamRecorder recorder(Metadata{}, path_, {.most_bytes = 8000});
+  const std::vector<std::byte> bytes(3000);
+  recorder.add_buffer("a", bytes);
+  EXPECT_THROW(recorder.add_buffer("b", std::vector<std::byte>(6000)), UsageError);
+  record_frame(recorder, 0);
+  recorder.finish();
+  EXPECT_EQ(read_capture(path_).frames.size(), 1u);
+}
+
+TEST_F(CaptureStreamRecorder, AFullDiskIsSaid) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
+  EXPECT_THROW(StreamRecorder(Metadata{}, folder_ / "absent" / "x.spcap"), InputError);
+}
+
+}  // namespace
+}  // namespace subpixel::capture
