@@ -116,6 +116,26 @@ PointLight& spot(Capture& capture) {
   return capture.frames[0].point_lights[1];
 }
 
+// Of version 3: the second draw is a strip.
+Capture version_3_capture() {
+  Capture capture = version_2_capture();
+  list(capture).topology = Topology::triangle_strip;
+  return capture;
+}
+
+// A file of version 3 whose chunk `from` stands where chunk `to` stood.
+Bytes moved_chunk(std::pair<ChunkType, std::uint32_t> from, std::size_t to) {
+  return rebuilt(
+      [&](ForeignFile& file) {
+        const Part part = file.part(from.first, from.second);
+        std::erase_if(file.chunks, [&](const Part& each) {
+          return each.header.type == from.first && each.header.id == from.second;
+        });
+        file.chunks.insert(file.chunks.begin() + static_cast<std::ptrdiff_t>(to), part);
+      },
+      Codec::raw, version_3_capture());
+}
+
 // Where the counts of draws and point lights are in the payload of frame 0.
 std::size_t draw_count_at(const Forgery& forgery) {
   return forgery.find_in_frame(std::array<char, 7>{'i', 'n', 'd', 'e', 'x', 'e', 'd'}) - 8;
@@ -250,8 +270,33 @@ std::vector<Broken> broken_files() {
        }},
       {"chunk-type", "unknown chunk type", "AAAA 1", "type", 0,
        [] { return header_field(ChunkType::buffer, 1, 0, std::uint32_t{0x41414141}); }},
+      {"chunk-type", "the chunk's bytes are damaged", "AAAA 9", "checksum", 32,
+       [] {
+         Bytes file = rebuilt(
+             [](ForeignFile& f) {
+               Part unknown = f.part(ChunkType::buffer);
+               unknown.header.type = ChunkType{0x41414141};
+               unknown.header.id = 9;
+               f.chunks.push_back(unknown);
+             },
+             Codec::raw, version_3_capture());
+         file[offset_of(file, "AAAA 9") + kChunkHeaderBytes] ^= std::byte{1};
+         return file;
+       }},
       {"chunk-order", "stands after a later kind of chunk", "META 1", "type", 0,
        [] { return header_field(ChunkType::buffer, 1, 0, ChunkType::metadata); }},
+      {"chunk-order", "stands before META", "DATA 0", "type", 0,
+       [] {
+         return moved_chunk({ChunkType::metadata, 0}, 1);
+       }},
+      {"chunk-order", "0 is not below 0", "BUFR 0", "data", 0,
+       [] {
+         return moved_chunk({ChunkType::buffer, 0}, 1);
+       }},
+      {"chunk-order", "1 is not below 0", "FRAM 0", "material", 0,
+       [] {
+         return moved_chunk({ChunkType::frame, 0}, 1);
+       }},
       {"chunk-numbers", "out of sequence", "BUFR 7", "id", 4, [] { return header_field(ChunkType::buffer, 1, 4, 7u); }},
       {"chunk-numbers", "out of sequence", "DATA 1", "id", 4, [] { return header_field(ChunkType::data, 0, 4, 1u); }},
       {"chunk-once", "chunk META is missing", "", "", 0,
@@ -266,6 +311,16 @@ std::vector<Broken> broken_files() {
        }},
       {"chunk-once", "more than 1 of this kind", "META 1", "id", 0, [] { return with_more(ChunkType::metadata, 1); }},
       {"chunk-once", "more than 1 of this kind", "MATL 1", "id", 0, [] { return with_more(ChunkType::material, 1); }},
+      {"chunk-once", "chunk MATL is missing", "", "", 0,
+       [] {
+         return rebuilt(
+             [](ForeignFile& f) {
+               std::erase_if(f.chunks, [](const Part& part) {
+                 return part.header.type == ChunkType::material || part.header.type == ChunkType::frame;
+               });
+             },
+             Codec::raw, version_3_capture());
+       }},
       {"codec", "unknown codec", "BUFR 1", "codec", 8, [] { return header_field(ChunkType::buffer, 1, 8, 3u); }},
       {"codec", "version 1 knows no zlib", "META 0", "codec", 8,
        [] { return rebuilt([](ForeignFile&) {}, Codec::zlib, small_capture()); }},
@@ -414,6 +469,15 @@ std::vector<Broken> broken_files() {
        [] { return flag_of_two(ChunkType::frame, 0, [](Capture& c) { c.frames[0].sun->shadows = false; }); }},
       {"flag", "2 is neither 0 nor 1", "FRAM 0", "point_lights.has_cone", 0,
        [] { return flag_of_two(ChunkType::frame, 0, [](Capture& c) { spot(c).cone.reset(); }); }},
+      {"flag", "2 is neither 0 nor 1", "FRAM 0", "restart", 0,
+       [] {
+         return forged(
+             [](Forgery& f) {
+               const std::size_t end = f.get<std::uint64_t>(f.chunk(ChunkType::frame) + 16);
+               f.set_payload(ChunkType::frame, 0, end - 4, 2u);
+             },
+             version_3_capture());
+       }},
       {"enumeration", "2 is no texture encoding", "TEXR 0", "encoding", 0,
        [] { return lying([](Capture& c) { c.textures[0].encoding = TextureEncoding{2}; }); }},
       {"enumeration", "3 is no wrap", "TEXR 0", "sampler.wrap_u", 0,
@@ -434,6 +498,10 @@ std::vector<Broken> broken_files() {
        [] { return lying([](Capture& c) { indexed(c).index_type = IndexType{3}; }); }},
       {"enumeration", "4294967295 is no index type", "FRAM 0", "index_type", 0,
        [] { return lying([](Capture& c) { indexed(c).index_type = IndexType{kNone}; }); }},
+      {"enumeration", "4 is no index type", "FRAM 0", "index_type", 0,
+       [] { return lying([](Capture& c) { indexed(c).index_type = IndexType{4}; }, version_3_capture()); }},
+      {"enumeration", "3 is no topology", "FRAM 0", "topology", 0,
+       [] { return lying([](Capture& c) { list(c).topology = Topology{3}; }, version_3_capture()); }},
       {"texture-bytes", "8 bytes instead of 12", "TEXR 0", "bytes", 0,
        [] { return lying([](Capture& c) { c.textures[0].width = 3; }); }},
       {"texture-bytes", "8 bytes instead of 16", "TEXR 0", "bytes", 0,
@@ -576,6 +644,10 @@ std::vector<Broken> broken_files() {
        [] { return lying([](Capture& c) { indexed(c).index_count = 5; }); }},
       {"triangles", "2 is no multiple of 3", "FRAM 0", "index_count", 0,
        [] { return lying([](Capture& c) { list(c).index_count = 2; }); }},
+      {"restart", "set on a draw that is no indexed strip or fan", "FRAM 0", "restart", 0,
+       [] { return lying([](Capture& c) { indexed(c).restart = true; }, version_3_capture()); }},
+      {"restart", "set on a draw that is no indexed strip or fan", "FRAM 0", "restart", 0,
+       [] { return lying([](Capture& c) { list(c).restart = true; }, version_3_capture()); }},
       {"instance-range", "3 matrices at byte 0 leave the buffer's 128 bytes", "FRAM 0", "instance_offset", 0,
        [] { return lying([](Capture& c) { indexed(c).instance_count = 3; }); }},
       {"instance-range", "2 matrices at byte " + std::to_string(kFar - 60), "FRAM 0", "instance_offset", 0,
@@ -591,6 +663,19 @@ std::vector<Broken> broken_files() {
        [] { return with_more(ChunkType::texture, kMaxTextures - 1); }},
       {"most-materials", "65537 is more than 65536", "MATL 0", "materials", 0,
        [] { return forged([](Forgery& f) { f.set_payload(ChunkType::material, 0, 0, kMaxMaterials + 1); }); }},
+      {"most-materials", "more than 65536 in all", "MATL 1", "materials", 0,
+       [] {
+         return rebuilt(
+             [](ForeignFile& f) {
+               Capture many;
+               many.materials.resize(kMaxMaterials - 1);
+               Part part = f.part(ChunkType::material);
+               part.header.id = 1;
+               set_payload(part, RecordWriter(3).materials(many.materials));
+               f.chunks.insert(f.chunks.end() - 2, part);
+             },
+             Codec::raw, version_3_capture());
+       }},
       {"most-frames", "more than 65536 of this kind", "FRAM 65536", "id", 0,
        [] { return with_more(ChunkType::frame, kMaxFrames - 1); }},
       {"most-draws", "1048577 is more than 1048576", "FRAM 0", "draws", 0,
@@ -660,7 +745,20 @@ std::vector<Broken> broken_files() {
          for (int i = 0; i < 100; ++i) capture.buffers.push_back({"b", Bytes(1000, std::byte{5})});
          return encode_capture(capture, {.zstd_level = 0});
        },
-       {.decoded_bytes = 50000}}};
+       {.decoded_bytes = 50000}},
+      {"resource-bytes",
+       "its strips and fans are too large as triangle lists",
+       "",
+       "",
+       std::nullopt,
+       [] {
+         Capture capture = version_3_capture();
+         capture.buffers[1].bytes.assign(20000, std::byte{0});
+         indexed(capture).index_count = 9999;
+         indexed(capture).topology = Topology::triangle_strip;
+         return encode_capture(capture, {.zstd_level = 0});
+       },
+       {.decoded_bytes = 30000}}};
 }
 
 // Rules that more than one case of the table above can hold; this one needs a file that is one.
@@ -688,6 +786,7 @@ TEST(CaptureRules, EveryBrokenFileIsRefusedForItsRule) {
 TEST(CaptureRules, WhatTheBrokenFilesAreMadeOfIsFine) {
   EXPECT_EQ(refusal(lying([](Capture&) {})), "");
   EXPECT_EQ(refusal(lying([](Capture&) {}, small_capture())), "");
+  EXPECT_EQ(refusal(lying([](Capture&) {}, version_3_capture())), "");
   EXPECT_EQ(refusal(forged([](Forgery&) {})), "");
   EXPECT_EQ(refusal(rebuilt([](ForeignFile&) {})), "");
   EXPECT_EQ(refusal(deflated_frame([](Part&) {})), "");
