@@ -1,5 +1,6 @@
 // Mutates captures as captures: chunk by chunk, sizes, index and footer made right again, so that most of what the
-// fuzzer tries gets past the frame of the file to the records.
+// fuzzer tries gets past the frame of the file to the records. Checksums of files without CRC-32 are right too, so that
+// a build that looks at them can use it (tests/unit/capture_mutation_test.cpp).
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -72,7 +73,8 @@ void put_chunk(std::vector<std::uint8_t>& out, const Chunk& chunk) {
   put(out, std::uint32_t{0});
   put(out, std::uint64_t{chunk.stored.size()});
   put(out, chunk.codec == 0 ? std::uint64_t{chunk.stored.size()} : chunk.decoded_bytes);
-  put(out, std::uint64_t{0});  // checksums are not looked at in this build
+  const auto head = std::as_bytes(std::span(out)).last(kChunkHeaderBytes - 8);
+  put(out, xxh3_64_of(head, std::as_bytes(std::span(chunk.stored))));
   out.insert(out.end(), chunk.stored.begin(), chunk.stored.end());
   out.resize(aligned(out.size()));
 }
@@ -92,7 +94,8 @@ std::vector<std::uint8_t> written(const File& file) {
   put_chunk(out, index);
   put(out, index_offset);
   put(out, std::uint64_t{out.size() + kFooterBytes - 8});
-  put(out, std::uint64_t{0});
+  const auto all = std::as_bytes(std::span(out));
+  put(out, xxh3_64_of(all.first(kHeaderBytes), all.last(16)));
   out.insert(out.end(), kEndMagic.begin(), kEndMagic.end());
   return out;
 }
