@@ -3,11 +3,11 @@ import math
 
 from . import layout
 from .errors import CaptureError
-from .model import NONE, AlphaMode, ClipDepth, IndexType, TextureEncoding, VertexFormat
-from .streams import element_bytes, raw_indices
+from .model import NONE, AlphaMode, ClipDepth, IndexType, TextureEncoding, Topology, VertexFormat
+from .streams import element_bytes, index_bytes, most_triangles, raw_indices, restart_index
 
 _COLOUR_FORMATS = (VertexFormat.FLOAT32X3, VertexFormat.FLOAT32X4, VertexFormat.FLOAT16X4, VertexFormat.UNORM8X4,
-                   VertexFormat.UNORM16X4)
+                   VertexFormat.UNORM16X4, VertexFormat.UNORM10X3_2, VertexFormat.FLOAT11X2_10, VertexFormat.FLOAT16X3)
 
 
 class Checker:
@@ -143,7 +143,7 @@ class Checker:
             return
         self.require(0 <= stream.buffer < len(capture.buffers), name + ".buffer",
                      "{} is not below {}".format(stream.buffer, len(capture.buffers)))
-        self.enumeration(name + ".format", stream.format, VertexFormat.UNORM16X4, "vertex format")
+        self.enumeration(name + ".format", stream.format, VertexFormat.SNORM16X2, "vertex format")
         size = element_bytes(stream.format)
         self.require(stream.stride >= size or (stream.stride == 0 and name != "position"), name + ".stride",
                      "{} bytes is less than an element".format(stream.stride))
@@ -155,7 +155,12 @@ class Checker:
                                                                                      available))
 
     def _indices(self, capture, draw):
-        self.require(draw.index_count % 3 == 0, "index_count", "{} is no multiple of 3".format(draw.index_count))
+        self.enumeration("topology", draw.topology, Topology.TRIANGLE_FAN, "topology")
+        is_list = draw.topology == Topology.TRIANGLE_LIST
+        self.require(not is_list or draw.index_count % 3 == 0, "index_count",
+                     "{} is no multiple of 3".format(draw.index_count))
+        self.require(not draw.restart or not (is_list or draw.index_type == IndexType.NONE), "restart",
+                     "set on a draw that is no indexed strip or fan")
         if draw.index_type == IndexType.NONE:
             self.require(draw.index_buffer == NONE, "index_buffer", "set on a draw without indices")
             last = draw.base_vertex + draw.index_count
@@ -163,22 +168,27 @@ class Checker:
                          "vertices {} to {} are not all among the {}".format(draw.base_vertex, last,
                                                                             draw.vertex_count))
             return
-        self.enumeration("index_type", draw.index_type, IndexType.UINT32, "index type")
+        self.enumeration("index_type", draw.index_type, IndexType.UINT8, "index type")
         self.require(0 <= draw.index_buffer < len(capture.buffers), "index_buffer",
                      "{} is not below {}".format(draw.index_buffer, len(capture.buffers)))
-        size = 2 if draw.index_type == IndexType.UINT16 else 4
+        size = index_bytes(draw.index_type)
         available = len(capture.buffers[draw.index_buffer].bytes)
         self.require(draw.index_offset + size * draw.index_count <= available, "index_offset",
                      "{} indices at byte {} leave the buffer's {} bytes".format(draw.index_count, draw.index_offset,
                                                                                available))
         if draw.index_count == 0:
             return
-        key = (draw.index_buffer, draw.index_type, draw.index_offset, draw.index_count)
+        key = (draw.index_buffer, draw.index_type, draw.index_offset, draw.index_count, draw.restart)
         if key not in self.known_bounds:
             values = raw_indices(capture, draw)
-            self.known_bounds[key] = (
+            if draw.restart:
+                cut = restart_index(draw.index_type)
+                values = values[values != cut] if hasattr(values, "min") else [v for v in values if v != cut]
+            self.known_bounds[key] = None if len(values) == 0 else (
                 int(values.min()) if hasattr(values, "min") else min(values),
                 int(values.max()) if hasattr(values, "max") else max(values))
+        if self.known_bounds[key] is None:
+            return  # nothing but restarts
         low, high = self.known_bounds[key]
         self.require(low + draw.base_vertex >= 0 and high + draw.base_vertex < draw.vertex_count, "index_buffer",
                      "vertices {} to {} are not all among the {}".format(low + draw.base_vertex,
@@ -197,7 +207,7 @@ class Checker:
 
     def frame_draws(self, frame):
         self.require(len(frame.draws) <= layout.MOST_DRAWS, "draws", "too many")
-        triangles = sum(draw.index_count // 3 * draw.instance_count for draw in frame.draws)
+        triangles = sum(most_triangles(draw) for draw in frame.draws)
         self.require(triangles <= layout.MOST_TRIANGLES, "draws", "more than {} triangles".format(
             layout.MOST_TRIANGLES))
 

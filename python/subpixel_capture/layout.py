@@ -22,7 +22,7 @@ MOST_OF = {"buffers": 1 << 20, "textures": 65536, "materials": 65536, "frames": 
 MOST_DRAWS, MOST_LIGHTS, MOST_TRIANGLES = 1 << 20, 65536, 1 << 28
 MOST_BYTES = 8 << 30
 
-VERSION_1_FORMATS = 8  # formats below this
+FORMATS_OF = {1: 8, 2: 10, 3: 17}  # vertex formats of a version: those below this
 
 
 def aligned(offset):

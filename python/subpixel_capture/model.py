@@ -25,7 +25,11 @@ class AlphaMode:
 
 
 class IndexType:
-    NONE, UINT16, UINT32 = 0, 1, 2
+    NONE, UINT16, UINT32, UINT8 = 0, 1, 2, 3
+
+
+class Topology:
+    TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN = 0, 1, 2
 
 
 class ClipDepth:
@@ -33,8 +37,8 @@ class ClipDepth:
 
 
 class VertexFormat:
-    FLOAT32X2, FLOAT32X3, FLOAT32X4, FLOAT16X2, FLOAT16X4, SNORM8X4, SNORM16X4, UNORM16X2, UNORM8X4, UNORM16X4 = \
-        range(10)
+    FLOAT32X2, FLOAT32X3, FLOAT32X4, FLOAT16X2, FLOAT16X4, SNORM8X4, SNORM16X4, UNORM16X2, UNORM8X4, UNORM16X4, \
+        OCTAHEDRAL_SNORM8, OCTAHEDRAL_SNORM16, SNORM10X3_2, UNORM10X3_2, FLOAT11X2_10, FLOAT16X3, SNORM16X2 = range(17)
 
 
 class Record:
@@ -106,12 +110,14 @@ class VertexStream(Record):
 
 
 class Draw(Record):
-    """One draw of a triangle list; `index_count` counts indices, or vertices of a draw without."""
+    """One draw; `index_count` counts indices, or vertices of a draw without. Strips and fans stay what they are here:
+    draw_indices() makes lists of them."""
     DEFAULTS = (("name", ""), ("material", 0), ("position", VertexStream), ("normal", VertexStream),
                 ("uv", VertexStream), ("tangent", VertexStream), ("index_type", IndexType.NONE),
                 ("index_buffer", NONE), ("index_offset", 0), ("index_count", 0), ("base_vertex", 0),
                 ("vertex_count", 0), ("transform", IDENTITY), ("instance_buffer", NONE), ("instance_offset", 0),
-                ("instance_count", 1), ("uv2", VertexStream), ("colour", VertexStream))
+                ("instance_count", 1), ("uv2", VertexStream), ("colour", VertexStream),
+                ("topology", Topology.TRIANGLE_LIST), ("restart", False))
 
 
 class DirectionalLight(Record):

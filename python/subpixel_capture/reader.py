@@ -4,7 +4,7 @@ import struct
 from . import codecs, layout
 from .checks import Checker
 from .errors import CaptureError
-from .model import (Buffer, Capture, DirectionalLight, Draw, Frame, Material, Metadata, PointLight, Sampler, SpotCone,
+from .model import (Buffer, Capture, DirectionalLight, Draw, Frame, IndexType, Material, Metadata, PointLight, Sampler, SpotCone,
                     Texture, UvMapping, VertexStream)
 
 _WHAT = "the capture can't be read"
@@ -40,9 +40,9 @@ class _File:
         if size < 16 + layout.CHUNK_BYTES + 32:
             _fail("the file is truncated to {} bytes".format(size), size)
         _, self.version, self.flags = layout.HEADER.unpack_from(data, 0)
-        if self.version not in (1, 2):
-            _fail("version {}, this module reads 1 and 2".format(self.version), 8, "header", "version")
-        if self.flags > (1 if self.version == 2 else 0):
+        if self.version not in layout.FORMATS_OF:
+            _fail("version {}, this module reads 1 to 3".format(self.version), 8, "header", "version")
+        if self.flags > (1 if self.version >= 2 else 0):
             _fail("{} is no checksum of version {}".format(self.flags, self.version), 12, "header", "flags")
         self.footer = size - 32
         index_offset, file_bytes, checksum, end = layout.FOOTER.unpack_from(data, self.footer)
@@ -71,9 +71,10 @@ class _File:
         kind, number, codec, reserved, stored, decoded = layout.CHUNK.unpack_from(self.data, offset)
         chunk = _Chunk(offset, kind, number, codec, stored, decoded,
                        struct.unpack_from("<Q", self.data, offset + 32)[0])
-        if kind not in layout.ORDER:
+        known = kind in layout.ORDER
+        if not known and self.version < 3:
             _fail("unknown chunk type", offset, chunk.name, "type")
-        if codec > (layout.ZLIB if self.version == 2 else layout.ZSTD):
+        if known and codec > (layout.ZLIB if self.version >= 2 else layout.ZSTD):
             _fail("unknown codec", offset + 8, chunk.name, "codec")
         if reserved:
             _fail("not 0", offset + 12, chunk.name, "reserved")
@@ -88,17 +89,19 @@ class _File:
         return chunk
 
     def _chunks(self, end):
-        chunks, offset, decoded = [], 16, 0
+        chunks, offset, decoded, numbers = [], 16, 0, dict.fromkeys(layout.ORDER, 0)
         while offset < end:
             if end - offset < layout.CHUNK_BYTES:
                 _fail("no room for a chunk header", offset)
             chunk = self._header(offset, end)
             before = chunks[-1] if chunks else None
-            if before and layout.ORDER.index(chunk.kind) < layout.ORDER.index(before.kind):
+            if self.version < 3 and before and layout.ORDER.index(chunk.kind) < layout.ORDER.index(before.kind):
                 _fail("stands after a later kind of chunk", offset, chunk.name, "type")
-            if chunk.number != (before.number + 1 if before and before.kind == chunk.kind else 0):
-                _fail("out of sequence", offset + 4, chunk.name, "id")
-            decoded += chunk.decoded_bytes
+            if chunk.kind in numbers:
+                if chunk.number != numbers[chunk.kind]:
+                    _fail("out of sequence", offset + 4, chunk.name, "id")
+                numbers[chunk.kind] += 1
+                decoded += chunk.decoded_bytes
             if decoded > layout.MOST_BYTES:
                 _fail("more than {} bytes in all".format(layout.MOST_BYTES), offset + 24, chunk.name, "decoded_bytes")
             stop = offset + layout.CHUNK_BYTES + chunk.stored_bytes
@@ -121,11 +124,17 @@ class _File:
         if any(self.data[stop:self.footer]):
             _fail("not 0", stop, index.name, "padding")
 
-    def payload(self, chunk):
-        """Decoded bytes of a chunk, its checksum verified."""
+    def verify_chunk(self, chunk):
+        """The stored payload, its checksum verified."""
         begin = chunk.offset + layout.CHUNK_BYTES
         stored = self.data[begin:begin + chunk.stored_bytes]
         self._verify(chunk.checksum, chunk.offset + 32, chunk.name, self.data[chunk.offset:chunk.offset + 32], stored)
+        return stored
+
+    def payload(self, chunk):
+        """Decoded bytes of a chunk, its checksum verified."""
+        begin = chunk.offset + layout.CHUNK_BYTES
+        stored = self.verify_chunk(chunk)
         if chunk.codec == layout.STORED:
             return bytes(stored)
         try:
@@ -217,8 +226,8 @@ def _material(fields):
 
 def _stream(fields, name):
     buffer, form, offset, stride = fields.get("IIQI", name)
-    if fields.version < 2 and buffer != 0xFFFFFFFF and form >= layout.VERSION_1_FORMATS:
-        fields.fail(name + ".format", "{} is no vertex format of version 1".format(form))
+    if buffer != 0xFFFFFFFF and form >= layout.FORMATS_OF[fields.version]:
+        fields.fail(name + ".format", "{} is no vertex format of version {}".format(form, fields.version))
     if buffer == 0xFFFFFFFF:
         return VertexStream()
     return VertexStream(buffer=buffer, format=form, offset=offset, stride=stride)
@@ -230,10 +239,14 @@ def _draw(fields):
         setattr(draw, name, _stream(fields, name))
     draw.index_type, draw.index_buffer, draw.index_offset, draw.index_count, draw.base_vertex, draw.vertex_count = \
         fields.get("IIQIiI", "index_type")
+    if fields.version < 3 and draw.index_type == IndexType.UINT8:
+        fields.fail("index_type", "3 is no index type of version {}".format(fields.version))
     draw.transform = fields.get("16f", "transform")
     draw.instance_buffer, draw.instance_offset, draw.instance_count = fields.get("IQI", "instance_buffer")
     if fields.version >= 2:
         draw.uv2, draw.colour = _stream(fields, "uv2"), _stream(fields, "colour")
+    if fields.version >= 3:
+        draw.topology, draw.restart = fields.number("topology"), fields.flag("restart")
     return draw
 
 
@@ -259,7 +272,7 @@ def _frame(fields, check):
     newer = fields.version >= 2
     lights = fields.count("point_lights", layout.MOST_LIGHTS, 32 if newer else 28)
     frame.point_lights = [_point_light(fields) for _ in range(lights)]
-    for i in range(fields.count("draws", layout.MOST_DRAWS, 236 if newer else 196)):
+    for i in range(fields.count("draws", layout.MOST_DRAWS, {1: 196, 2: 236, 3: 244}[fields.version])):
         fields.record = "draw {}".format(i)
         frame.draws.append(_draw(fields))
         check(frame.draws[-1])
@@ -271,7 +284,8 @@ class _CaptureReader:
     def __init__(self, file):
         self.file = file
         self.capture = Capture()
-        self.data = [chunk for chunk in file.chunks if chunk.kind == b"DATA"]
+        self.data = []
+        self.skipped = set()
         self.payloads = {}
         self.bytes_left = layout.MOST_BYTES
         self.checker = Checker(_WHAT)
@@ -299,9 +313,17 @@ class _CaptureReader:
     def read(self):
         capture, checker, seen = self.capture, self.checker, set()
         for chunk in self.file.chunks:
-            if chunk.kind == b"DATA":
+            if chunk.kind not in layout.ORDER:
+                self.file.verify_chunk(chunk)
+                self.skipped.add(chunk.name.split(" ")[0])
                 continue
-            if chunk.kind == b"INDX" or (chunk.kind in (b"META", b"MATL") and chunk.number > 0):
+            if self.file.version >= 3 and not seen and chunk.kind != b"META":
+                _fail("stands before META", chunk.offset, chunk.name, "type")
+            if chunk.kind == b"DATA":
+                self.data.append(chunk)
+                continue
+            once = (b"META", b"MATL") if self.file.version < 3 else (b"META",)
+            if chunk.kind == b"INDX" or (chunk.kind in once and chunk.number > 0):
                 _fail("not expected here", chunk.offset, chunk.name, "type")
             seen.add(chunk.kind)
             fields = _Fields(self.file.payload(chunk), chunk, self.file.version)
@@ -322,7 +344,8 @@ class _CaptureReader:
                 checker.texture(capture.textures[-1])
             elif chunk.kind == b"MATL":
                 least_bytes = 188 if fields.version >= 2 else 68
-                for i in range(fields.count("materials", layout.MOST_OF["materials"], least_bytes)):
+                most = layout.MOST_OF["materials"] - len(capture.materials)
+                for i in range(fields.count("materials", most, least_bytes)):
                     fields.record = "material {}".format(i)
                     capture.materials.append(_material(fields))
                     checker.material(capture.materials[-1], len(capture.textures))
@@ -340,6 +363,9 @@ class _CaptureReader:
         for number, chunk in enumerate(self.data):
             if number not in self.payloads:
                 _fail("no buffer or texture refers to it", chunk.offset, chunk.name, "id")
+        if self.skipped:
+            capture.metadata.notices.append(
+                "skipped on reading, of kinds that this program does not know: chunks " + " ".join(sorted(self.skipped)))
         return capture
 
 

@@ -1,8 +1,11 @@
 """What `subpixel info --json` says of a capture, but for hash, size of the file and features."""
 
 
-def _triangles(frame):
-    return sum(draw.index_count // 3 * draw.instance_count for draw in frame.draws)
+from .streams import triangle_count
+
+
+def _triangles(capture, frame):
+    return sum(triangle_count(capture, draw) for draw in frame.draws)
 
 
 def summarize(capture):
@@ -14,13 +17,13 @@ def summarize(capture):
         "frame_count": len(capture.frames),
         "width": capture.frames[0].width if capture.frames else 0,
         "height": capture.frames[0].height if capture.frames else 0,
-        "triangles": max([_triangles(frame) for frame in capture.frames] or [0]),
+        "triangles": max([_triangles(capture, frame) for frame in capture.frames] or [0]),
         "draws": max([len(frame.draws) for frame in capture.frames] or [0]),
         "point_lights": max([len(frame.point_lights) for frame in capture.frames] or [0]),
         "buffers": {"count": len(capture.buffers), "bytes": sum(len(b.bytes) for b in capture.buffers)},
         "textures": {"count": len(capture.textures), "bytes": sum(len(t.bytes) for t in capture.textures)},
         "materials": len(capture.materials),
         "frames": [{"name": frame.name, "time_s": frame.time_s, "width": frame.width, "height": frame.height,
-                    "draws": len(frame.draws), "triangles": _triangles(frame),
+                    "draws": len(frame.draws), "triangles": _triangles(capture, frame),
                     "point_lights": len(frame.point_lights)} for frame in capture.frames],
     }

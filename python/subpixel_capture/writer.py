@@ -1,4 +1,4 @@
-"""Captures to bytes: version 2, CRC-32, each chunk deflated where that makes it smaller."""
+"""Captures to bytes: version 2 or 3, CRC-32, each chunk deflated where that makes it smaller."""
 import hashlib
 import io
 import os
@@ -9,6 +9,7 @@ import zlib
 from . import codecs, layout
 from .checks import check_capture
 from .errors import CaptureError
+from .model import NONE, IndexType, Topology
 
 _NO_STREAM = struct.pack("<IIQI", 0xFFFFFFFF, 1, 0, 0)
 
@@ -80,7 +81,18 @@ def _stream(out, stream):
         out.put("IIQI", stream.buffer, stream.format, stream.offset, stream.stride)
 
 
-def _draw(out, draw):
+def _needed_version(capture):
+    """2, or 3 where a draw is a strip or fan, has indices of 8 bits or a format that version 2 lacks."""
+    for frame in capture.frames:
+        for draw in frame.draws:
+            streams = (draw.position, draw.normal, draw.uv, draw.tangent, draw.uv2, draw.colour)
+            if (draw.topology != Topology.TRIANGLE_LIST or draw.index_type == IndexType.UINT8 or
+                    any(s.buffer != NONE and s.format >= layout.FORMATS_OF[2] for s in streams)):
+                return 3
+    return 2
+
+
+def _draw(out, draw, version):
     out.text(draw.name)
     out.put("I", draw.material)
     for stream in (draw.position, draw.normal, draw.uv, draw.tangent):
@@ -91,9 +103,11 @@ def _draw(out, draw):
     out.put("IQI", draw.instance_buffer, draw.instance_offset, draw.instance_count)
     _stream(out, draw.uv2)
     _stream(out, draw.colour)
+    if version >= 3:
+        out.put("II", draw.topology, int(draw.restart))
 
 
-def _frame(frame):
+def _frame(frame, version):
     out = _Fields()
     out.text(frame.name)
     out.put("d", frame.time_s)
@@ -112,18 +126,18 @@ def _frame(frame):
             out.put("3fff", *(tuple(light.cone.direction) + (light.cone.inner_cosine, light.cone.outer_cosine)))
     out.put("I", len(frame.draws))
     for draw in frame.draws:
-        _draw(out, draw)
+        _draw(out, draw, version)
     return out.bytes()
 
 
 class FileWriter:
     """Chunks to an open binary file, one after the other, as SPEC.md has them. Nothing is held but the index."""
 
-    def __init__(self, out, level=6):
+    def __init__(self, out, level=6, version=2):
         self.out, self.level = out, level
         self.offset = 0
         self.index = []
-        self.header = layout.HEADER.pack(layout.MAGIC, 2, layout.CRC32)
+        self.header = layout.HEADER.pack(layout.MAGIC, version, layout.CRC32)
         self._put(self.header)
 
     def _put(self, data):
@@ -173,7 +187,8 @@ def write_to(capture, out, level=6):
     written when the capture breaks a rule of SPEC.md."""
     check_capture(capture)
     try:
-        file = FileWriter(out, level)
+        version = _needed_version(capture)
+        file = FileWriter(out, level, version)
         file.chunk(b"META", 0, _metadata(capture.metadata))
         data = _Data(file)
         numbers = [data.number(held.bytes) for held in capture.buffers]
@@ -184,7 +199,7 @@ def write_to(capture, out, level=6):
             file.chunk(b"TEXR", i, _texture(texture, texture_numbers[i]))
         file.chunk(b"MATL", 0, _materials(capture.materials))
         for i, frame in enumerate(capture.frames):
-            file.chunk(b"FRAM", i, _frame(frame))
+            file.chunk(b"FRAM", i, _frame(frame, version))
         file.finish()
     except (struct.error, OverflowError) as error:
         raise CaptureError("can't write the capture", str(error), "a field is out of its range")

@@ -64,6 +64,33 @@ def small_capture():
         materials=[spcap.Material(name="plain", roughness=0.25), leaf], frames=[first, second])
 
 
+def strip_capture():
+    """A strip, a fan and a strip with restarts, of packed formats: what version 3 brought."""
+    capture = small_capture()
+    capture.buffers.append(spcap.Buffer(name="packed", bytes=struct.pack(
+        "<6sbbII2xbbhhI", struct.pack("<3e", 1, 0, 0), 127, 127, 511 << 10 | 513 << 20 | 1 << 30,
+        15 << 6 | (15 << 6 | 1 << 5) << 11 | 14 << 5 << 22, 127, 0, 32767, -32768, 1023 | 341 << 20 | 3 << 30)))
+    capture.buffers.append(spcap.Buffer(name="bytes", bytes=bytes([0, 1, 2, 3, 255, 255, 0, 1, 2, 255, 1, 2, 3])))
+    packed, indices = len(capture.buffers) - 2, len(capture.buffers) - 1
+
+    def value(vertex_format, offset):
+        return spcap.VertexStream(buffer=packed, format=vertex_format, offset=offset, stride=0)
+
+    form, topology = spcap.VertexFormat, spcap.Topology
+    common = {"vertex_count": 4, "index_type": spcap.IndexType.UINT8, "index_buffer": indices}
+    position = spcap.VertexStream(buffer=0, stride=20)
+    capture.frames[0].draws = [
+        spcap.Draw(name="strip", position=position, topology=topology.TRIANGLE_STRIP, index_count=4,
+                   normal=value(form.OCTAHEDRAL_SNORM8, 6), **common),
+        spcap.Draw(name="fan", position=position, topology=topology.TRIANGLE_FAN, index_count=3, index_offset=0,
+                   normal=value(form.SNORM10X3_2, 8), colour=value(form.FLOAT11X2_10, 12),
+                   **dict(common, base_vertex=1)),
+        spcap.Draw(name="restarted", position=position, topology=topology.TRIANGLE_STRIP, restart=True, index_offset=4,
+                   index_count=9, normal=value(form.FLOAT16X3, 0), uv=value(form.SNORM16X2, 20),
+                   colour=value(form.UNORM10X3_2, 24), **common)]
+    return capture
+
+
 def plain_capture():
     """The same with nothing that is new in version 2."""
     capture = small_capture()

@@ -6,7 +6,7 @@ import unittest
 import zlib
 from unittest import mock
 
-from capture_fixture import BINARY, folder, plain_capture, small_capture, spcap, subpixel
+from capture_fixture import BINARY, folder, plain_capture, strip_capture, small_capture, spcap, subpixel
 from subpixel_capture import codecs, layout, streams
 
 
@@ -107,6 +107,29 @@ class Streams(unittest.TestCase):
         self.assertEqual(list(spcap.draw_indices(capture, capture.frames[0].draws[1])), [1, 2, 3])
         self.assertIsNone(spcap.stream_values(capture, spcap.VertexStream(), 4))
 
+    def check_packed_values(self):
+        capture = spcap.decode(spcap.encode(strip_capture()))
+        strip, fan, some = capture.frames[0].draws
+        self.assertEqual(list(spcap.draw_indices(capture, strip)), [0, 1, 2, 1, 3, 2])
+        self.assertEqual(list(spcap.draw_indices(capture, fan)), [2, 3, 1])
+        self.assertEqual(list(spcap.draw_indices(capture, some)), [0, 1, 2, 1, 2, 3])
+        self.assertEqual(spcap.triangle_count(capture, some), 2)
+        for got, expected in (
+                (spcap.stream_values(capture, strip.normal, 1)[0], (0, 0, -1)),
+                (spcap.stream_values(capture, fan.normal, 1)[0], (0, 1, -1, 1)),
+                (spcap.stream_values(capture, fan.colour, 1)[0], (1, 1.5, 0.5)),
+                (spcap.stream_values(capture, some.normal, 1)[0], (1, 0, 0)),
+                (spcap.stream_values(capture, some.colour, 1)[0], (1, 0, 341 / 1023, 1)),
+                (spcap.stream_values(capture, some.uv, 1)[0], (1, -1))):
+            self.assertEqual(len(got), len(expected))
+            for a, b in zip(got, expected):
+                self.assertAlmostEqual(float(a), b, 6)
+
+    def test_strips_and_packed_formats(self):
+        self.check_packed_values()
+        with mock.patch.object(streams, "numpy", None):
+            self.check_packed_values()
+
     def test_with_whatever_is_installed(self):
         self.check_values()
 
@@ -127,7 +150,7 @@ class AgainstTheProgram(unittest.TestCase):
 
     def test_the_program_takes_what_is_written(self):
         with folder() as path:
-            for i, capture in enumerate((small_capture(), plain_capture())):
+            for i, capture in enumerate((small_capture(), plain_capture(), strip_capture())):
                 for level in (0, 6):
                     name = os.path.join(path, "{}-{}.spcap".format(i, level))
                     capture.textures[1].bytes = PNG  # validate decodes image files
@@ -195,8 +218,8 @@ class Refusals(unittest.TestCase):
     def test_headers(self):
         self.assert_refused(b"PNG", "this is no .spcap capture: byte 0, chunk header, field magic")
         newer = Forgery()
-        newer.set("I", 8, 3)
-        self.assert_refused(newer, "version 3, this module reads 1 and 2")
+        newer.set("I", 8, 4)
+        self.assert_refused(newer, "version 4, this module reads 1 to 3")
         other = Forgery()
         other.set("I", 12, 2)
         self.assert_refused(other, "2 is no checksum")
@@ -210,6 +233,16 @@ class Refusals(unittest.TestCase):
         self.assert_refused(Forgery().header(b"BUFR", 12, "I", 1), "field reserved")
         self.assert_refused(Forgery().header(b"BUFR", 16, "Q", 1 << 40), "field stored_bytes")
         self.assert_refused(Forgery().header(b"BUFR", 24, "Q", 0), "field decoded_bytes")
+
+    def test_draws_that_lie(self):
+        for field, value in (("topology", 3), ("restart", True), ("index_type", 4)):
+            capture = strip_capture()
+            setattr(capture.frames[0].draws[0], field, value)
+            if field == "restart":
+                capture.frames[0].draws[0].topology = spcap.Topology.TRIANGLE_LIST
+                capture.frames[0].draws[0].index_count = 3
+            with self.assertRaisesRegex(spcap.CaptureError, "field " + field):
+                spcap.encode(capture)
 
     def test_streams_that_lie(self):
         number = 5  # the bytes of buffer "many": equal ones are stored once
@@ -244,7 +277,7 @@ class Refusals(unittest.TestCase):
             ("cone.inner_cosine", lambda c: setattr(c.frames[0].point_lights[1].cone, "inner_cosine", -0.5)),
             ("position.offset", lambda c: setattr(c.frames[0].draws[0].position, "offset", 9)),
             ("position.stride", lambda c: setattr(c.frames[0].draws[0].position, "stride", 0)),
-            ("uv.format", lambda c: setattr(c.frames[0].draws[0].uv, "format", 10)),
+            ("uv.format", lambda c: setattr(c.frames[0].draws[0].uv, "format", 17)),
             ("colour.format", lambda c: setattr(c.frames[0].draws[0].colour, "format", 5)),
             ("index_count", lambda c: setattr(c.frames[0].draws[0], "index_count", 5)),
             ("index_offset", lambda c: setattr(c.frames[0].draws[0], "index_offset", 4)),
@@ -265,7 +298,7 @@ class Refusals(unittest.TestCase):
                 with folder() as path:
                     name = os.path.join(path, "lying.spcap")
                     write_bytes(name, data)
-                    code, _, errors = subpixel("info", name)
+                    code, _, errors = subpixel("validate", name)
                     self.assertEqual(code, 3, errors)
                     self.assertIn(field, errors)
 

@@ -1,109 +1,12 @@
 // Files that other programs write: CRC-32 in the place of XXH3-64, zlib in the place of zstd.
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <functional>
 
-#include "capture_format/chunk.hpp"
-#include "capture_format/reading/chunk_reader.hpp"
-#include "capture_format/record_writer.hpp"
-#include "capture_format/writer.hpp"
-#include "tests/unit/capture_fixture.hpp"
+#include "tests/unit/foreign_file.hpp"
 
 namespace subpixel::capture {
 namespace {
-
-using Bytes = std::vector<std::byte>;
-
-template <typename T>
-T load(const Bytes& bytes, std::size_t at) {
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
-
-Bytes deflated(std::span<const std::byte> payload, int level = 6) {
-  uLongf size = ::compressBound(payload.size());
-  Bytes out(size);
-  const auto* from = reinterpret_cast<const Bytef*>(payload.data());
-  EXPECT_EQ(::compress2(reinterpret_cast<Bytef*>(out.data()), &size, from, payload.size(), level), Z_OK);
-  out.resize(size);
-  return out;
-}
-
-struct Part {
-  ChunkHeader header;
-  Bytes stored;
-};
-
-// What a writer of one's own would do, from SPEC.md.
-struct ForeignFile {
-  std::uint32_t version = 2, flags = 1;
-  std::vector<Part> chunks;
-
-  Checksum checksum() const { return flags == 1 ? Checksum::crc32 : Checksum::xxh3_64; }
-
-  Bytes bytes() const {
-    ByteWriter out, index;
-    for (const unsigned char c : kMagic) out.put(c);
-    out.put(version);
-    out.put(flags);
-    const auto add = [&](const Part& part) {
-      ByteWriter header;
-      header.put(part.header.type);
-      header.put(part.header.id);
-      header.put(part.header.codec);
-      header.put(std::uint32_t{0});
-      header.put(std::uint64_t{part.stored.size()});
-      header.put(part.header.decoded_bytes);
-      header.put(checksum_of(header.bytes, part.stored, checksum()));
-      out.raw(header.bytes);
-      out.raw(part.stored);
-      out.bytes.resize(aligned(out.bytes.size()));
-    };
-    for (const Part& part : chunks) {
-      index.put(part.header.type);
-      index.put(part.header.id);
-      index.put(std::uint64_t{out.bytes.size()});
-      add(part);
-    }
-    const std::uint64_t index_offset = out.bytes.size();
-    add({{ChunkType::index, 0, Codec::raw, 0, index.bytes.size()}, index.bytes});
-    ByteWriter footer;
-    footer.put(index_offset);
-    footer.put(std::uint64_t{out.bytes.size() + kFooterBytes});
-    footer.put(checksum_of(std::span(out.bytes).first(kHeaderBytes), footer.bytes, checksum()));
-    for (const unsigned char c : kEndMagic) footer.put(c);
-    out.raw(footer.bytes);
-    return out.bytes;
-  }
-
-  Part& part(ChunkType type, std::uint32_t id = 0) {
-    for (Part& each : chunks) {
-      if (each.header.type == type && each.header.id == id) return each;
-    }
-    throw std::out_of_range("no such chunk");
-  }
-};
-
-// Its chunks in `codec`, whether or not that makes them smaller.
-ForeignFile foreign(const Capture& capture, Codec codec, std::uint32_t flags = 1) {
-  const Bytes plain = encode_capture(capture, {.zstd_level = 0});
-  ForeignFile file;
-  file.version = load<std::uint32_t>(plain, 8);
-  file.flags = flags;
-  const auto end = load<std::uint64_t>(plain, plain.size() - kFooterBytes);
-  for (std::uint64_t at = kHeaderBytes; at < end;) {
-    Part part{{load<ChunkType>(plain, at), load<std::uint32_t>(plain, at + 4), codec}, {}};
-    const auto size = load<std::uint64_t>(plain, at + 16);
-    const auto payload = std::span(plain).subspan(at + kChunkHeaderBytes, size);
-    part.header.decoded_bytes = size;
-    part.stored = codec == Codec::zlib ? deflated(payload) : Bytes(payload.begin(), payload.end());
-    file.chunks.push_back(std::move(part));
-    at = aligned(at + kChunkHeaderBytes + size);
-  }
-  return file;
-}
 
 #define EXPECT_REFUSED_AS(file, text)                                                               \
   {                                                                                                 \

@@ -55,6 +55,10 @@ class Forgery {
   // Says another version in the header, and makes the footer's checksum right.
   void set_version(std::uint32_t version) {
     set(8, version);
+    sign_footer();
+  }
+
+  void sign_footer() {
     const std::span<const std::byte> all(bytes_);
     const std::size_t footer = bytes_.size() - kFooterBytes;
     set(footer + 16, xxh3_64_of(all.first(kHeaderBytes), all.subspan(footer, 16)));

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "capture_format/stream_recorder.hpp"
 #include "capture_format/writer.hpp"
 #include "tests/unit/capture_fixture.hpp"
 
@@ -40,6 +41,29 @@ TEST(PythonCapture, IsReadAndWrittenAgainAndReadThere) {
   EXPECT_EQ(python("compare " + theirs.string() + " " + ours.string()), 0);
   std::filesystem::remove(theirs);
   std::filesystem::remove(ours);
+}
+
+// Chunks in the order of recording, materials in several.
+TEST(PythonCapture, StreamedRecordingsAreReadThere) {
+  const auto folder = std::filesystem::path(::testing::TempDir());
+  const std::filesystem::path streamed = folder / "python_capture_streamed.spcap",
+                              ordered = folder / "python_capture_ordered.spcap";
+  const Capture capture = small_capture();
+  StreamRecorder recorder(capture.metadata, streamed);
+  for (const Buffer& buffer : capture.buffers) recorder.add_buffer(buffer.name, buffer.bytes);
+  for (const Texture& texture : capture.textures) recorder.add_texture(texture);
+  for (const Frame& frame : capture.frames) {
+    recorder.add_material(capture.materials[frame.draws.empty() ? 0 : 1]);
+    Frame head = frame;
+    head.draws.clear();
+    recorder.begin_frame(head);
+    recorder.end_frame();
+  }
+  recorder.finish();
+  write_capture(read_capture(streamed), ordered);
+  EXPECT_EQ(python("compare " + streamed.string() + " " + ordered.string()), 0);
+  std::filesystem::remove(streamed);
+  std::filesystem::remove(ordered);
 }
 
 }  // namespace
