@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,12 @@ Measured measure(const Calls& calls) {
   for (const auto& buffer : buffers) calls.add_buffer(buffer);
   best.known_mb_ms = ms_since(before) / kNewBuffers;
   return best;
+}
+
+Measured better(const std::optional<Measured>& a, const Measured& b) {
+  if (!a) return b;
+  return {std::min(a->frame_ms, b.frame_ms), std::min(a->draws_ms, b.draws_ms), std::min(a->end_ms, b.end_ms),
+          std::min(a->known_mb_ms, b.known_mb_ms), std::min(a->new_mb_ms, b.new_mb_ms)};
 }
 
 void print(const char* language, const Measured& m) {
@@ -174,8 +181,14 @@ int main(int argc, char** argv) {
   fs::create_directories(folder);
   fmt::print("ms    a frame of 1,000 draws: of it   a MiB of bytes:\n");
   fmt::print("     {:>8} {:>8} {:>8} {:>12} {:>12}\n", "all", "draws", "its end", "new", "known");
-  subpixel::capture::print("C", subpixel::capture::measure_c(folder / "c.spcap"));
-  subpixel::capture::print("C++", subpixel::capture::measure_cpp(folder / "cpp.spcap"));
+  // In turns, or the first one would pay alone for memory that the process has not had before.
+  std::optional<subpixel::capture::Measured> c, cpp;
+  for (int round = 0; round < 3; ++round) {
+    cpp = subpixel::capture::better(cpp, subpixel::capture::measure_cpp(folder / "cpp.spcap"));
+    c = subpixel::capture::better(c, subpixel::capture::measure_c(folder / "c.spcap"));
+  }
+  subpixel::capture::print("C", *c);
+  subpixel::capture::print("C++", *cpp);
   fs::remove_all(folder);
   return 0;
 }
