@@ -6,9 +6,9 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 limit=${SUBPIXEL_TIDY_SECONDS:-240}
-folders=(base capture_format scenes replay process web server cli tests bench)
+folders=(base capture_format recorder scenes replay process web server cli tests bench)
 
-mapfile -t sources < <(find "${folders[@]}" -name '*.cpp' -o -name '*.hpp' | sort)
+mapfile -t sources < <(find "${folders[@]}" -name '*.cpp' -o -name '*.hpp' -o -name '*.h' -o -name '*.c' | sort)
 # Other versions break some lines elsewhere.
 formatter=14
 found=$(clang-format --version | sed 's/.*version \([0-9]*\).*/\1/')
@@ -31,7 +31,7 @@ shared_hash=$({ cat .clang-tidy; clang-tidy --version; find "${folders[@]}" -nam
 mapfile -t candidates < <(
   {
     git log --format= --name-only -n 300 2>/dev/null | grep '\.cpp$' || true
-    for folder in base capture_format server scenes/import replay process cli scenes/builder scenes/generate; do
+    for folder in base capture_format recorder server scenes/import replay process cli scenes/builder scenes/generate; do
       find "$folder" -name '*.cpp' | sort
     done
   } | awk '!seen[$0]++' | while read -r file; do

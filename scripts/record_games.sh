@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# Records frames of two games, imports them and compares depths with RenderDoc's, by hand or at night: takes minutes,
-# and packages that this script asks for but does not install.
-#   scripts/record_games.sh OUT_FOLDER [warzone_vulkan|warzone_opengl|supertuxkart ...]     default: all
-# Warzone 2100 (Debian: warzone2100; GPL-2+, art CC0-1.0, CC-BY-SA-3.0, GPL-2+) by Vulkan and by OpenGL: one scene, two
-# APIs. SuperTuxKart (Debian: supertuxkart; GPL-3+, art CC-BY-SA-3.0 and others) by OpenGL, 2 consecutive frames.
+# Records frames of games, imports them and compares depths with RenderDoc's, by hand or at night: takes minutes, and
+# packages that this script asks for but does not install. What is seen on them: docs/games.md.
+#   scripts/record_games.sh OUT_FOLDER [warzone_vulkan|warzone_opengl|black_forest|lighthouse|courtyard ...]
+# (default: all). Warzone 2100 (Debian: warzone2100; GPL-2+, art CC0-1.0, CC-BY-SA-3.0, GPL-2+) by Vulkan and by OpenGL:
+# one scene, two APIs. Two tracks of SuperTuxKart (Debian: supertuxkart; GPL-3+, art CC-BY-SA-3.0 and others) by OpenGL,
+# of lighthouse 30 consecutive frames in one capture. A courtyard of our own in Godot 3 (Debian: godot3-runner) by OpenGL.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
-[ $# -ge 1 ] || { sed -n '2,6s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 1 ] || { sed -n '2,7s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 mkdir -p "$1"
 out=$(cd "$1" && pwd); shift
-games=("${@:-warzone_vulkan}"); [ $# -gt 0 ] || games=(warzone_vulkan warzone_opengl supertuxkart)
+games=("${@:-warzone_vulkan}"); [ $# -gt 0 ] || games=(warzone_vulkan warzone_opengl black_forest lighthouse courtyard)
 export SUBPIXEL=${SUBPIXEL:-$root/build/release/subpixel} PATH=$PATH:/usr/games
 python=${SUBPIXEL_PYTHON:-/usr/bin/python3}
 
@@ -34,20 +35,25 @@ for game in "${games[@]}"; do
       rm -rf "$settings"; mkdir -p "$settings"
       record "$game" 1 --delay 75 --timeout 200 -- warzone2100 --gfxbackend="${game#warzone_}" --window \
         --resolution=1280x720 --nosound --game=CAM_1A --configdir="$settings" ;;
-    supertuxkart)
-      # Without the lights that are worked out a minute for each track where the CPU draws.
+    black_forest | lighthouse)
+      # Without the lights that are worked out a minute for each track where the CPU draws; textures as texels and
+      # without anisotropy, so that alpha tests cut as a replay's do.
       settings=$out/supertuxkart.settings/supertuxkart/config-0.10
       mkdir -p "$settings"
       [ -e "$settings/config.xml" ] || cat >"$settings/config.xml" <<'XML'
 <?xml version="1.0"?>
 <stkconfig version="8">
-  <Video width="800" height="450" fullscreen="false" />
-  <GFX enable_dynamic_lights="false" enable_texture_compression="false" shadows_resolution="0" light_scatter="false" />
+  <Video width="800" height="450" fullscreen="false" enable_dynamic_lights="false" enable_texture_compression="false" />
+  <GFX anisotropic="0" shadows_resolution="0" light_scatter="false" />
 </stkconfig>
 XML
-      XDG_CONFIG_HOME=$out/supertuxkart.settings record "$game" 2 --delay 120 --timeout 420 --size 800x450 -- \
-        supertuxkart --windowed --screensize=800x450 --no-start-screen --track=black_forest --numkarts=3 --mode=1 \
+      frames=1; [ "$game" = black_forest ] || frames=30
+      XDG_CONFIG_HOME=$out/supertuxkart.settings record "$game" "$frames" --delay 100 --timeout 420 --size 800x450 -- \
+        supertuxkart --windowed --screensize=800x450 --no-start-screen --track="$game" --numkarts=3 --mode=1 \
         --profile-laps=5 --no-sound ;;
+    courtyard)
+      HOME=$out record "$game" 3 --frame 40 --timeout 150 -- godot3-runner --path "$root/tests/recording/godot" \
+        --video-driver GLES3 --audio-driver Dummy ;;
     *) echo "no such game: $game" >&2; exit 2 ;;
   esac
 done

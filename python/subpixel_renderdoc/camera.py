@@ -134,6 +134,17 @@ class Camera:
         return column_major(self.projection.rows())
 
 
+def merged(candidates):
+    """(Projection, weight) with those of equal numbers, to five digits, added up: most constants are seen by all
+    draws."""
+    sums = {}
+    for projection, weight in candidates:
+        key = tuple("%.5g" % number for number in projection.numbers())
+        held = sums.setdefault(key, [projection, 0.0])
+        held[1] += weight
+    return sorted(((p, w) for p, w in sums.values()), key=lambda held: -held[1])
+
+
 def dominant(candidates):
     """Of (Projection, weight) the centre of the heaviest group of near ones; None of none."""
     best, best_weight = None, 0.0

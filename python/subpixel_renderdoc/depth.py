@@ -65,6 +65,8 @@ def _depths(rd, form, data, count, is_gl):
     if form.compByteWidth == 2:
         return [v / 65535.0 for v in struct.unpack("<%dH" % count, data[:2 * count])]
     if form.compByteWidth == 3:
+        if is_gl:  # GL_UNSIGNED_INT is all 32 bits, whatever the target holds
+            return [v / 4294967295.0 for v in struct.unpack("<%dI" % count, data[:4 * count])]
         return [(v & 0xFFFFFF) / 16777215.0 for v in struct.unpack("<%dI" % count, data[:4 * count])]
     return list(struct.unpack("<%df" % count, data[:4 * count]))
 
@@ -105,12 +107,49 @@ def distance_capture(capture, number):
         copy = spcap.Draw(**dict((n, getattr(draw, n)) for n, _ in spcap.Draw.DEFAULTS))
         copy.instance_buffer, copy.instance_offset, copy.instance_count = spcap.NONE, 0, 1
         copy.transform, copy.material = place, materials[key]
+        if min(distances) < 0:
+            distances = _clipped(capture, out, copy, distances)
         shades = struct.pack("<%df" % (3 * len(distances)), *[s for d in distances for s in (d / furthest,) * 3])
         copy.colour = spcap.VertexStream(buffer=len(out.buffers), format=1, stride=12)
         out.buffers.append(spcap.Buffer(name="distances", bytes=shades))
         made.draws.append(copy)
     out.frames.append(made)
     return out, furthest
+
+
+def _clipped(capture, out, draw, distances):
+    """The draw's triangles cut where the eye is, as no colour is negative: the distances of its new vertices."""
+    def stream(held, count):
+        if held.buffer == spcap.NONE:
+            return [(0.0,) * count] * draw.vertex_count
+        values = [tuple(map(float, v))[:count] for v in spcap.stream_values(capture, held, draw.vertex_count)]
+        return [v + (0.0,) * (count - len(v)) for v in values]
+
+    numbers = [p + uv + (d,) for p, uv, d in zip(stream(draw.position, 3), stream(draw.uv, 2), distances)]
+    corners = range(draw.vertex_count)
+    if draw.index_buffer != spcap.NONE:
+        letter = "H" if draw.index_type == spcap.IndexType.UINT16 else "I"
+        corners = struct.unpack_from("<%d%s" % (draw.index_count, letter), capture.buffers[draw.index_buffer].bytes,
+                                     draw.index_offset)
+    made = []
+    for t in range(0, len(corners) - 2, 3):
+        polygon, kept = [numbers[c] for c in corners[t:t + 3]], []
+        for a, b in zip(polygon, polygon[1:] + polygon[:1]):
+            if a[5] >= 0:
+                kept.append(a)
+            if (a[5] >= 0) != (b[5] >= 0):
+                u = a[5] / (a[5] - b[5])
+                kept.append(tuple(x + u * (y - x) for x, y in zip(a, b))[:5] + (0.0,))
+        for i in range(1, len(kept) - 1):
+            made += [kept[0], kept[i], kept[i + 1]]
+    made = made or [numbers[0][:5] + (0.0,)] * 3
+    draw.position = spcap.VertexStream(buffer=len(out.buffers), format=1, stride=20)
+    draw.uv = spcap.VertexStream(buffer=len(out.buffers), format=0, offset=12, stride=20)
+    out.buffers.append(spcap.Buffer(name="clipped", bytes=struct.pack("<%df" % (5 * len(made)), *[
+        x for vertex in made for x in vertex[:5]])))
+    draw.normal, draw.tangent = spcap.VertexStream(), spcap.VertexStream()
+    draw.vertex_count, draw.index_type, draw.index_buffer, draw.index_count = len(made), 0, spcap.NONE, len(made)
+    return [vertex[5] for vertex in made]
 
 
 def _whitened(capture, out, number, known):
@@ -229,8 +268,9 @@ def main(arguments=None):
     made, furthest = distance_capture(capture, number)
     copy = os.path.join(out, "distances.spcap")
     spcap.write(made, copy, 1)
-    done = subprocess.run([binary, "replay", copy, "--techniques", "noaa", "--reference-samples", "0", "--repeat", "1",
-                           "--out", out], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+    done = subprocess.run([binary, "replay", copy, "--techniques", "noaa:alpha=test", "--reference-samples", "0",
+                           "--repeat", "1", "--out", out], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          universal_newlines=True)
     if done.returncode != 0:
         raise ExportError("the depths can't be compared", done.stderr, copy)
     exr = [os.path.join(folder, name) for folder, _, names in os.walk(out) for name in names if name.endswith(".exr")]

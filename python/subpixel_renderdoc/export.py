@@ -1,5 +1,6 @@
 """Frames of RenderDoc captures to one capture of Subpixel's."""
 import json
+import os
 import re
 import struct
 
@@ -16,6 +17,7 @@ from .replay import Replay
 
 TOOL = "subpixel_renderdoc 1"
 MOST_INSTANCES = 65536
+LEVEL = 1  # zlib's: a frame with 230 MB of textures takes 3 s, not 10, and `subpixel import` writes the file anew
 
 
 class Options:
@@ -48,6 +50,7 @@ class Entry:
         self.textures = {}
         self.samplers = {}
         self.discards, self.cutoff = False, None
+        self.colour = None        # of a constant
         self.matrices = []
         self.data = {}            # (resource, stride) -> (bytes, offset of the first vertex)
         self.kept = None          # numbers of triangles that are drawn; None: all
@@ -78,6 +81,25 @@ class Notices:
         return out
 
 
+def _names_view(name):
+    """Whether a matrix is called what takes the world to the camera's space."""
+    if re.search("camera_?inv|world_?to_?(view|cam|eye)", name, re.I):
+        return True
+    return re.search("view", name, re.I) and not re.search("proj|inv|norm|prev|last|shadow|light|model|tex", name, re.I)
+
+
+_BASE_COLOUR = re.compile(r"^([mug]_)?(albedo|base_?colou?r|diffuse)(_?(colou?r|factor))?$", re.I)
+
+
+def _base_colour(constants):
+    """The colour that a fragment shader's constant of such a name has, or None."""
+    for name in sorted(constants):
+        stem, _, component = name.rpartition(".")
+        if component == "x" and stem + ".z" in constants and _BASE_COLOUR.match(stem.split(".")[-1]):
+            return tuple(min(max(float(constants[stem + "." + c]), 0.0), 1.0) for c in "xyz")
+    return None
+
+
 class FrameExport:
     """One open capture's frame into the builder."""
 
@@ -88,13 +110,12 @@ class FrameExport:
 
     def run(self, number):
         entries = self._main_view()
-        self._look(entries)
         drawn = [e for e in entries if e.mesh is not None]
         if not drawn:
             raise ExportError("the RenderDoc capture can't be exported", "no draw of its main view can be taken: " +
                               "; ".join("{} ({})".format(r, len(n)) for r, n in self.notices.draws.items()))
         camera = self._camera(drawn)
-        drawn = self._layers(drawn, camera)
+        drawn = self._layers(self._in_scene(drawn, camera), camera)
         frame = self._frame(number, camera)
         seen = {}
         for entry in drawn:
@@ -112,10 +133,10 @@ class FrameExport:
     # --- which draws
 
     def _main_view(self):
-        """Draws with depth of the target that most depth-writing triangles go to, of those near the largest."""
-        groups, self.target_ids, self.draw_count = {}, set(), 0
-        for number, action in enumerate(self.replay.draws()):
-            self.draw_count += 1
+        """The visited draws of the depth target that most depth-writing triangles go to, of those with colours beside
+        them that have at least a quarter of the largest one's pixels."""
+        groups, self.target_ids, draws = {}, set(), self.replay.draws()
+        for number, action in enumerate(draws):
             for output in action.outputs:
                 self.target_ids.add(str(output))
             if action.depthOut == self.replay.null:
@@ -125,7 +146,8 @@ class FrameExport:
                 continue
             if self.options.target and str(action.depthOut).split(":")[-1] != str(self.options.target):
                 continue
-            groups.setdefault(str(action.depthOut), []).append((number, action))
+            name = "event {} {}".format(action.eventId, re.sub(r"\(.*", "", self.replay.name(action)))
+            groups.setdefault(str(action.depthOut), []).append(Entry(number, action, None, name))
         if not groups:
             raise ExportError("the RenderDoc capture can't be exported", "no draw has a depth target" + (
                 " among the chosen ones" if self.options.events or self.options.target else ""))
@@ -135,27 +157,43 @@ class FrameExport:
             return texture.width * texture.height if texture else 0
 
         def has_colour(key):
-            return any(o != self.replay.null for _, a in groups[key] for o in a.outputs)
+            return any(o != self.replay.null for e in groups[key] for o in e.action.outputs)
 
         coloured = [key for key in groups if has_colour(key)] or list(groups)
         largest = max(area(key) for key in coloured)
         near = [key for key in coloured if 4 * area(key) >= largest] or coloured
-
-        def corners(key):
-            return sum(a.numIndices * max(a.numInstances, 1) for _, a in groups[key])
-
-        # States cost a replay each: they are asked in the groups that may be the main view, most corners first.
-        best = max(near, key=corners)
-        chosen, others = groups[best], self.draw_count - len(groups[best])
-        self.depth_target = best
+        self.depth_target = best = self._most_depth_writing(dict((key, groups[key]) for key in near))
+        others = len(draws) - len(groups[best])
         if others:
             self.notices.say("left out: {} draws to other targets or without depth (shadows, post passes, HUD)".format(
                 others))
-        entries = []
-        for number, action in chosen:
-            name = "event {} {}".format(action.eventId, re.sub(r"\(.*", "", self.replay.name(action)))
-            entries.append(Entry(number, action, None, name))
-        return entries
+        self._look(groups[best])
+        return groups[best]
+
+    def _most_depth_writing(self, groups):
+        """The key of the entries that most triangles are written to depth by. What a draw writes is known when the
+        replay stands at it, which costs a replay: corners are no fewer, so those of most corners are asked first, and
+        those that can't win any more are not."""
+        def most(entries):
+            return sum(e.action.numIndices * max(e.action.numInstances, 1) for e in entries)
+
+        order = sorted(groups, key=lambda key: -most(groups[key]))
+        if len(order) == 1:
+            return order[0]
+        best, written = order[0], -1
+        for key in order:
+            if most(groups[key]) <= written:
+                break
+            count = 0
+            for entry in groups[key]:
+                self.replay.go_to(entry.action)
+                entry.state = state = self.replay.state()
+                if state.depth_write and state.topology is not None:
+                    each = entry.action.numIndices // 3 if state.topology == "list" else entry.action.numIndices - 2
+                    count += max(each, 0) * max(entry.action.numInstances, 1)
+            if count > written:
+                best, written = key, count
+        return best
 
     def _look(self, entries):
         """Asks everything about each draw in one visit."""
@@ -270,8 +308,10 @@ class FrameExport:
     def _shading(self, entry):
         _, source = self.replay.fragment_source()
         entry.discards = False
+        constants = self.replay.fragment_constants()
+        entry.colour = _base_colour(constants)
         if "discard" in source or "Kill" in source or "clip" in source or "Demote" in source:
-            entry.discards, entry.cutoff = textures.cutoff(source, self.replay.fragment_constants())
+            entry.discards, entry.cutoff = textures.cutoff(source, constants)
         bound = self.replay.fragment_textures()
         chosen = textures.choose(bound, self.replay.textures, self.options.mapping,
                                  lambda resource: str(resource) in self.target_ids)
@@ -310,7 +350,7 @@ class FrameExport:
                         held = shared.setdefault(key, [form, 0.0, 0])
                         held[1] += weight
                         held[2] += 1
-        projection = cameras.dominant(candidates[:4000])
+        projection = cameras.dominant(cameras.merged(candidates)[:4000])
         clips = [entry.mesh.clip(v) for entry in drawn for v in geometry.samples_of(entry.mesh, 16)]
         if projection is None:
             projection = cameras.assumed_projection(clips, self.viewport[2], self.viewport[3], y_up)
@@ -318,6 +358,19 @@ class FrameExport:
                 raise ExportError("the RenderDoc capture can't be exported", "its main view has no perspective camera")
             self.notices.say("approximated: no matrix shows the projection; 60 degrees from bottom to top are assumed")
         return cameras.Camera(projection, self._view(drawn, projection, shared))
+
+    def _in_scene(self, drawn, camera):
+        """Without what does not stand where its w says: skies at the far plane, pictures laid on the screen."""
+        kept = []
+        for entry in drawn:
+            clips = [entry.mesh.clip(v) for v in geometry.samples_of(entry.mesh)]
+            reason = geometry.off_scene(clips, camera.projection, entry.state.depth_function.startswith("Greater"),
+                                        entry.state.clip_depth_negative)
+            if reason:
+                self.notices.draw("left out: " + reason, entry.name)
+            else:
+                kept.append(entry)
+        return kept
 
     def _view(self, drawn, projection, shared):
         found = []
@@ -338,8 +391,7 @@ class FrameExport:
         named = {}
         for entry in drawn:
             for name, matrix in entry.matrices:
-                if re.search("view", name.split(".")[-1], re.I) and not re.search(
-                        "proj|inv|norm|prev|last|shadow|light|model|tex", name.split(".")[-1], re.I):
+                if _names_view(name.split(".")[-1]):
                     for form in (matrix, transposed(matrix)):
                         if form[3] == (0.0, 0.0, 0.0, 1.0):
                             view = cameras.rigid_view(form[:3])
@@ -468,24 +520,23 @@ class FrameExport:
         mirrors = place is not None and determinant(place[0]) < 0
         if state.cull != "None" and ((state.cull == "Back") != state.front_ccw) != mirrors:
             corners = [v for t in range(0, len(corners), 3) for v in (corners[t], corners[t + 2], corners[t + 1])]
-        draw = Draw(material=self._material(entry), vertex_count=mesh.count)
+        draw = Draw(material=self._material(entry))
         resources = sorted(set(str(a.resource).split(":")[-1] for a in entry.attributes if a.constant is None))
         name = "vertices {} from {}, {} triangles".format("+".join(resources) or "generated", mesh.first,
                                                          len(corners) // 3)
         seen[name] = seen.get(name, 0) + 1
         draw.name = name if seen[name] == 1 else "{} ({})".format(name, seen[name])
-        self._indices(draw, corners, mesh)
-        self._uv_and_colour(draw, entry)
+        copies = [mesh] if place is not None else [mesh] + entry.instances
+        draw.vertex_count = mesh.count * len(copies)
+        self._indices(draw, [v - mesh.first for v in corners], mesh.count, len(copies))
+        self._uv_and_colour(draw, entry, copies)
         if place is not None:
             self._rigid(draw, entry, place)
-            frame.draws.append(draw)
-            return
-        self.notices.draw("approximated: no matrix places it; positions are as the vertex shader gave them, in the "
-                          "world", entry.name)
-        for instance in [mesh] + entry.instances:
-            self._placed(draw, entry, instance, corners, camera)
-            frame.draws.append(draw)
-            draw = Draw(**dict((n, getattr(draw, n)) for n, _ in Draw.DEFAULTS))
+        else:
+            self.notices.draw("approximated: no matrix places it; positions are as the vertex shader gave them, in the "
+                              "world", entry.name)
+            self._placed(draw, copies, corners, camera)
+        frame.draws.append(draw)
 
     def _placements(self, entry, camera):
         """World map of each instance, or None where one has none."""
@@ -500,16 +551,17 @@ class FrameExport:
             maps.append(rows)
         return maps
 
-    def _indices(self, draw, corners, mesh):
-        values = [v - mesh.first for v in corners]
+    def _indices(self, draw, corners, count, copies):
+        """Of one mesh of `count` vertices whose copies lie one after the other."""
+        values = [v + count * copy for copy in range(copies) for v in corners]
         draw.index_count = len(values)
-        if mesh.count <= 65536:
+        if count * copies <= 65536:
             draw.index_type, data = spcap.IndexType.UINT16, struct.pack("<%dH" % len(values), *values)
         else:
             draw.index_type, data = spcap.IndexType.UINT32, struct.pack("<%dI" % len(values), *values)
         draw.index_buffer = self.builder.buffer(data, "indices")
 
-    def _stream(self, entry, attribute, components):
+    def _stream(self, entry, attribute, components, copies=1):
         """A stream of the attribute: its own bytes where the capture has the format, else numbers."""
         mesh, data = entry.mesh, entry.data.get(getattr(attribute, "key", None))
         if data is None:
@@ -520,17 +572,20 @@ class FrameExport:
             return VertexStream()
         is_short = form is not None and attribute.format.count < min(components, 3)
         if form is not None and not is_short and attribute.stride >= attribute.format.bytes:
+            if copies > 1:
+                data = data.ljust(attribute.stride * mesh.count, b"\0")[:attribute.stride * mesh.count] * copies
             return VertexStream(buffer=self.builder.buffer(data, "vertices"), format=form, offset=attribute.within,
                                 stride=attribute.stride)
         values = attribute.format.decode(data, attribute.within, attribute.stride, mesh.count)
-        return self._numbers(values, components)
+        return self._numbers(list(values) * copies, components)
 
     def _numbers(self, values, components):
         form = {2: VertexFormat.FLOAT32X2, 3: VertexFormat.FLOAT32X3, 4: VertexFormat.FLOAT32X4}[components]
         return VertexStream(buffer=self.builder.buffer(float_bytes(values, components), "vertices"), format=form,
                             stride=4 * components)
 
-    def _output_values(self, entry, mesh, offset, count):
+    @staticmethod
+    def _output_values(mesh, offset, count):
         """Of each vertex what the vertex shader handed on; 0 for vertices that are not drawn."""
         data, stride = mesh.outputs
         shape = struct.Struct("<%df" % count)
@@ -539,7 +594,7 @@ class FrameExport:
             values[vertex - mesh.first] = shape.unpack_from(data, post * stride + offset)
         return values
 
-    def _uv_and_colour(self, draw, entry):
+    def _uv_and_colour(self, draw, entry, copies):
         mesh = entry.mesh
         attribute = geometry.pick(entry.attributes, geometry.UV, 2, 4)
         if attribute is None:
@@ -555,15 +610,31 @@ class FrameExport:
                                        for a, b in zip(p, q)):
                 output = None
         if output is not None:
-            draw.uv = self._numbers(self._output_values(entry, mesh, output[2], 2), 2)
+            draw.uv = self._numbers([v for copy in copies for v in self._output_values(copy, output[2], 2)], 2)
         elif attribute is not None:
-            draw.uv = self._stream(entry, attribute, 2)
+            draw.uv = self._stream(entry, attribute, 2, len(copies))
+        if entry.role != "layer":
+            draw.colour = self._colours(entry, copies)
+
+    def _colours(self, entry, copies):
+        """Vertex colours that the vertex shader hands on as such, as it hands them on; those that it keeps are data of
+        its own, such as how much the wind bends a plant."""
+        mesh = entry.mesh
         colour = geometry.pick(entry.attributes, geometry.COLOUR, 3, 4)
-        if colour is not None and entry.role != "layer":
-            stream = self._stream(entry, colour, 4)
-            if stream.buffer != spcap.NONE and stream.format not in (1, 2, 4, 8, 9):
-                stream = VertexStream()
-            draw.colour = stream
+        output = next((o for o in entry.outputs if o[2] > 0 and o[1] >= 3 and re.search(geometry.COLOUR, o[0], re.I)),
+                      None)
+        if colour is None or output is None:
+            return VertexStream()
+        _, count, offset = output
+        sampled = geometry.samples_of(mesh, 32)
+        ins = self._values(entry, colour, sampled, count)
+        data, stride = mesh.outputs
+        outs = [struct.unpack_from("<%df" % count, data, mesh.post[v] * stride + offset) for v in sampled]
+        if ins is None or any(abs(a - b) > 1e-3 for p, q in zip(ins, outs) for a, b in zip(p, q)):
+            return self._numbers([tuple(min(max(x, 0.0), 1.0) for x in v) for copy in copies
+                                  for v in self._output_values(copy, offset, count)], count)
+        stream = self._stream(entry, colour, 4, len(copies))
+        return VertexStream() if stream.buffer != spcap.NONE and stream.format not in (1, 2, 4, 8, 9) else stream
 
     def _rigid(self, draw, entry, maps):
         draw.position = self._stream(entry, entry.position, 3)
@@ -581,18 +652,18 @@ class FrameExport:
         data = b"".join(struct.pack("<16f", *column_major(rows)) for rows in maps)
         draw.instance_buffer, draw.instance_count = self.builder.buffer(data, "instances"), len(maps)
 
-    def _placed(self, draw, entry, mesh, corners, camera):
-        positions = {}
-        for vertex in mesh.post:
-            positions[vertex] = camera.world(mesh.clip(vertex))
-        values = [(0.0, 0.0, 0.0)] * mesh.count
-        for vertex, position in positions.items():
-            values[vertex - mesh.first] = position
-        draw.position = self._numbers(values, 3)
-        values = [(0.0, 0.0, 1.0)] * mesh.count
-        for vertex, normal in geometry.smooth_normals(positions, corners).items():
-            values[vertex - mesh.first] = normal
-        draw.normal = self._numbers(values, 3)
+    def _placed(self, draw, copies, corners, camera):
+        places, normals = [], []
+        for mesh in copies:
+            positions = dict((vertex, camera.world(mesh.clip(vertex))) for vertex in mesh.post)
+            place, normal = [(0.0, 0.0, 0.0)] * mesh.count, [(0.0, 0.0, 1.0)] * mesh.count
+            for vertex, position in positions.items():
+                place[vertex - mesh.first] = position
+            for vertex, direction in geometry.smooth_normals(positions, corners).items():
+                normal[vertex - mesh.first] = direction
+            places.extend(place)
+            normals.extend(normal)
+        draw.position, draw.normal = self._numbers(places, 3), self._numbers(normals, 3)
 
     def _material(self, entry):
         values = {"two_sided": entry.state.cull == "None"}
@@ -612,7 +683,9 @@ class FrameExport:
         elif entry.state.blends and alpha is not False:
             values["alpha_mode"], values["alpha_cutoff"] = spcap.AlphaMode.TEST, 0.5
             self.notices.draw("approximated: blended and writes depth; taken as alpha-tested at 0.5", entry.name)
-        if base == spcap.NONE:
+        if entry.colour is not None and entry.role != "prepass":
+            values["base_colour"] = entry.colour + (1.0,)
+        elif base == spcap.NONE:
             self.notices.draw("approximated: no base colour texture; white", entry.name)
         return self.builder.material(name="material of " + entry.name, **values)
 
@@ -640,13 +713,16 @@ def _export(replays, options):
 def export_files(paths, out, options=None):
     """Exports .rdc files, a frame each, to one capture, and returns it. Raises ExportError and CaptureError."""
     options = options or Options()
+    # No pixel is looked at, and nearly all of a replay's time goes to them where the CPU draws: Mesa's software
+    # drivers leave them out when asked to, others know nothing of it.
+    os.environ.setdefault("LP_PERF", "no_shade,no_depth")
     rd = renderdoc_module()
     rd.InitialiseReplay(rd.GlobalEnvironment(), [])
     try:
         capture = _export([lambda path=path: Replay.open(rd, path) for path in paths], options)
     finally:
         rd.ShutdownReplay()
-    spcap.write(capture, out)
+    spcap.write(capture, out, LEVEL)
     return capture
 
 
@@ -666,5 +742,5 @@ def export_open_capture(pyrenderdoc, out, options=None):
     pyrenderdoc.Replay().BlockInvoke(work)
     if isinstance(made[0], Exception):
         raise made[0]
-    spcap.write(made[0], out)
+    spcap.write(made[0], out, LEVEL)
     return made[0]

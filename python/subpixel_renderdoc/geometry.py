@@ -141,6 +141,23 @@ def world_map(points, clips, camera, pixels):
     return rows
 
 
+def off_scene(clips, projection, is_reversed, clip_negative):
+    """Why clip positions are no places in the scene, or None. The eye's distance is read from w, and depth has to
+    follow it as the projection says, unless a depth range of its own shows a weapon or cockpit before all else."""
+    clips = [c for c in clips if all(map(math.isfinite, c))]
+    if not clips:
+        return "no finite positions"
+    far = 1.0 if not is_reversed else -1.0 if clip_negative else 0.0
+    if all(abs(c[2] - far * c[3]) <= 1e-6 * abs(c[3]) for c in clips):
+        return "drawn at the far plane (sky)"
+    w = clips[0][3]
+    is_flat = all(abs(c[3] - w) <= 1e-6 * abs(w) for c in clips)
+    expected = projection.c * w + projection.d
+    if is_flat and any(abs(c[2] - expected) > 1e-2 * abs(w) for c in clips):
+        return "drawn on the screen, at no place in the scene"
+    return None
+
+
 def _planar_map(points, worlds):
     """With the plane's normal added to what is given: its image is across the images of two edges."""
     best, size = None, 0.0

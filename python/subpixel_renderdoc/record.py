@@ -33,8 +33,9 @@ def record(prefix, command, frame=None, delay_s=0.0, count=1, timeout_s=120.0, f
     process = control.GetPID()
     try:
         end = time.monotonic() + timeout_s
+        apis = {}
         if frame is None:
-            _listen(rd, control, time.monotonic() + delay_s, lambda: False, say)
+            _listen(rd, control, time.monotonic() + delay_s, lambda: False, say, None, apis)
             control.TriggerCapture(count)
         else:
             control.QueueCapture(frame, count)
@@ -43,10 +44,10 @@ def record(prefix, command, frame=None, delay_s=0.0, count=1, timeout_s=120.0, f
         def is_done():
             return len(found) >= count
 
-        _listen(rd, control, end, is_done, say, found)
+        _listen(rd, control, end, is_done, say, found, apis)
         if not is_done():
-            raise ExportError("can't record the application", "{} of {} frames came within {:g} s".format(
-                len(found), count, timeout_s), program)
+            raise ExportError("can't record the application", "{} of {} frames came within {:g} s{}".format(
+                len(found), count, timeout_s, _shown_by(apis)), program)
         return _renamed(found, prefix)
     finally:
         control.Shutdown()
@@ -68,7 +69,17 @@ def _connect(rd, ident, program):
     raise ExportError("can't record the application", "it ended at once, or RenderDoc could not enter it", program)
 
 
-def _listen(rd, control, end, is_done, say, found=None):
+def _shown_by(apis):
+    """What RenderDoc says of the interfaces that the application draws with: why no frame may come."""
+    if not apis:
+        return "; RenderDoc saw it draw by no interface that it knows"
+    return "".join("; {}: {}".format(name, "it shows no frames" if supported and not presenting else
+                                     "frames are shown" if supported else
+                                     "RenderDoc can't capture it" + (": " + why if why else ""))
+                   for name, (presenting, supported, why) in sorted(apis.items()))
+
+
+def _listen(rd, control, end, is_done, say, found=None, apis=None):
     kinds = rd.TargetControlMessageType
     while time.monotonic() < end and not is_done():
         message = control.ReceiveMessage(None)
@@ -76,6 +87,9 @@ def _listen(rd, control, end, is_done, say, found=None):
             found.append((message.newCapture.frameNumber, message.newCapture.path))
             say("captured frame {} ({:.1f} MB)".format(message.newCapture.frameNumber,
                                                        message.newCapture.byteSize / 1e6))
+        elif message.type == kinds.RegisterAPI and apis is not None:
+            use = message.apiUse
+            apis[use.name] = (use.presenting, use.supported, use.supportMessage)
         elif message.type == kinds.Disconnected:
             raise ExportError("can't record the application", "it ended before its frames were taken")
         elif message.type == kinds.Noop:

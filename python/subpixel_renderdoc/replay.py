@@ -1,6 +1,7 @@
 """One capture open in RenderDoc, asked draw by draw: state, constants, attributes, vertex shader outputs."""
 import struct
 
+from . import glsl
 from .errors import ExportError
 from .formats import AttributeFormat
 
@@ -326,7 +327,7 @@ class Replay:
         if key not in self._matrices:
             text = ""
             if reflection.encoding == rd.ShaderEncoding.GLSL:
-                text = bytes(reflection.rawBytes).decode("latin-1")
+                text = glsl.active(bytes(reflection.rawBytes).decode("latin-1"))
             else:
                 text = self.controller.DisassembleShader(pipe.GetGraphicsPipelineObject(), reflection, "")
             self._matrices[key] = text

@@ -7,6 +7,7 @@ subpixel=$1; shift
 root=$(cd "$(dirname "$0")/../.." && pwd)
 python=${SUBPIXEL_PYTHON:-/usr/bin/python3}
 skip() { echo "skipped: $*"; exit 77; }
+"$python" -B "$root/tests/recording/export_test.py"  # needs nothing of what may be missing
 "$python" -c 'import renderdoc' 2>/dev/null || skip "$python has no module renderdoc (Debian: python3-renderdoc)"
 command -v xvfb-run >/dev/null || skip "no xvfb-run (Debian: xvfb, xauth)"
 [ $# -gt 0 ] || skip "the applications are not built (Debian: libgl-dev, libx11-dev, libvulkan-dev)"
@@ -73,6 +74,25 @@ if [ -e "$rdc" ]; then
   refused "can't be" "$subpixel" import "$folder/cut.rdc" "$folder/out/x.spcap"
   refused "the RenderDoc capture can't be read" "$subpixel" import "$folder/empty.rdc" "$folder/out/x.spcap"
   refused "can't be opened" "$subpixel" import "$folder/missing.rdc" "$folder/out/x.spcap"
+  # A file cut anywhere: within the header, after it, a byte before the end; and one whose driver is another's.
+  for bytes in 3 8 40 200 $(($(stat -c %s "$rdc") - 1)); do
+    head -c "$bytes" "$rdc" >"$folder/cut.rdc"
+    refused "can't be" "$subpixel" import "$folder/cut.rdc" "$folder/out/x.spcap"
+  done
+  "$python" - "$rdc" "$folder/driver.rdc" <<'PY'
+import re, sys
+data = open(sys.argv[1], "rb").read()
+# Four bytes of a driver's number and one of a length stand before its name: 1 is Direct3D 11's.
+made, count = re.subn(rb"[\x02\x08]\0\0\0([\x06\x07])(OpenGL|Vulkan)",
+                      lambda found: b"\1\0\0\0" + found.group(1) + b"D3D11\0", data, count=1)
+assert count == 1
+open(sys.argv[2], "wb").write(made)
+PY
+  refused "this machine cannot replay captures of D3D11" "$subpixel" import "$folder/driver.rdc" "$folder/out/x.spcap"
+  # A frame that is refused after others were taken leaves nothing either; the others' progress is not of the error.
+  last_line() { "$@" 2>&1 >/dev/null | tail -n 1 >&2; return "${PIPESTATUS[0]}"; }
+  refused "can't be" last_line "$subpixel" import "$rdc" "$folder/out/x.spcap" --next "$folder/noise.rdc"
+  refused "no draw has a depth target among the chosen ones" "$subpixel" import "$rdc" "$folder/out/x.spcap" --target 1
   refused "no draw has a depth target" "$subpixel" import "$rdc" "$folder/out/x.spcap" --events 0-1
   refused "longer than 1 s" env SUBPIXEL_PYTHON="$root/tests/recording/slow_python.sh" \
     "$subpixel" import "$rdc" "$folder/out/x.spcap" --limit-seconds 1
@@ -81,5 +101,10 @@ if [ -e "$rdc" ]; then
   refused "no module renderdoc" env SUBPIXEL_PYTHON="$root/tests/recording/python_without_renderdoc.sh" \
     "$subpixel" import "$rdc" "$folder/out/x.spcap"
 fi
+
+# A program that shows nothing, and one that ends at once.
+refused "0 of 1 frames came within 2 s; RenderDoc saw it draw by no interface" xvfb-run -a "$python" \
+  -m subpixel_renderdoc.record --frame 0 --timeout 2 "$folder/out/x" sleep 30
+refused "there is no such program" "$python" -m subpixel_renderdoc.record "$folder/out/x" no-such-program
 
 [ "$failures" = 0 ] || { echo "$failures failures"; exit 1; }

@@ -9,6 +9,7 @@ base:
 capture_format: base
 capture_format/reading: base capture_format
 capture_format/tools: base capture_format
+recorder: base capture_format
 scenes/builder: base capture_format
 scenes/generate: base capture_format scenes/builder
 scenes/import: base capture_format scenes/builder scenes/generate
@@ -44,7 +45,7 @@ while IFS=: read -r file include; do
     echo "layers: $file includes $include" >&2
     failed=1
   fi
-done < <(grep -r --include='*.[ch]pp' '^#include "' base capture_format scenes replay process web server)
+done < <(grep -r --include='*.[ch]pp' '^#include "' base capture_format recorder scenes replay process web server)
 [ "$checked" -gt 500 ] || { echo "layers: only $checked includes found" >&2; failed=1; }
 [ $failed = 1 ] || echo "layers: $checked includes"
 exit $failed
