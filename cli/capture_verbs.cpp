@@ -18,6 +18,7 @@
 #include "capture_format/reading/reader.hpp"
 #include "capture_format/reading/summary.hpp"
 #include "capture_format/reading/validator.hpp"
+#include "capture_format/tools/draw_table.hpp"
 #include "capture_format/writer.hpp"
 #include "cli/option_values.hpp"
 #include "cli/written_summary.hpp"
@@ -88,12 +89,55 @@ struct FileArguments {
   bool json = false;
 };
 
-int info(const FileArguments& arguments) {
+struct InfoArguments {
+  FileArguments file;
+  bool draws = false;
+  std::optional<std::uint32_t> frame;
+};
+
+void print_draws(const nlohmann::json& table) {
+  fmt::print("frame {} {}\n{:>6} {:>10} {:>9} {:>10} {:>5} {:>12}  draw; material; textures\n",
+             table["frame"].get<std::uint32_t>(), printable(table["name"].get<std::string>(), 80), "number",
+             "triangles", "instances", "vertices", "index", "bytes");
+  for (const nlohmann::json& draw : table["draws"]) {
+    std::string textures;
+    for (const nlohmann::json& texture : draw["textures"]) {
+      const std::string slot = texture["slot"].get<std::string>();
+      textures += (textures.empty() ? "" : ", ") + slot.substr(0, slot.rfind("_texture")) + " " +
+                  texture["texture"].dump() + " " + printable(texture["name"].get<std::string>(), 40);
+    }
+    fmt::print("{:>6} {:>10} {:>9} {:>10} {:>5} {:>12}  {}; {} {}; {}\n", draw["draw"].get<std::uint64_t>(),
+               draw["triangles"].get<std::uint64_t>(), draw["instances"].get<std::uint64_t>(),
+               draw["vertices"].get<std::uint64_t>(), draw["index_type"].get<std::string>(),
+               draw["bytes"].get<std::uint64_t>(), printable(draw["name"].get<std::string>(), 60),
+               draw["material"]["number"].dump(), printable(draw["material"]["name"].get<std::string>(), 40),
+               textures.empty() ? "none" : textures);
+  }
+}
+
+int info(const InfoArguments& options) {
+  const FileArguments& arguments = options.file;
+  if (options.frame && !options.draws) throw UsageError("frames", "--frame is of --draws", "--frame");
   const std::filesystem::path path = arguments.file;
   const capture::CaptureFile::Outline outline = capture::CaptureFile(path).outline();
-  const nlohmann::json summary = capture::summarize(outline.capture, outline.buffer_bytes, outline.texture_bytes,
-                                                    content_hash_hex(path), std::filesystem::file_size(path));
+  nlohmann::json table;
+  if (options.draws) {
+    const std::size_t frames = outline.capture.frames.size();
+    const std::uint32_t frame = options.frame.value_or(0);
+    if (frames == 0) throw InputError(arguments.file, "it has no frames", "");
+    if (frame >= frames) {
+      throw UsageError("frames", fmt::format("{} is not within 0-{}", frame, frames - 1), "--frame");
+    }
+    table = capture::draw_table(outline.capture, frame);
+    if (!arguments.json) {
+      print_draws(table);
+      return 0;
+    }
+  }
+  nlohmann::json summary = capture::summarize(outline.capture, outline.buffer_bytes, outline.texture_bytes,
+                                              content_hash_hex(path), std::filesystem::file_size(path));
   if (arguments.json) {
+    if (options.draws) summary["draws_of_frame"] = table;
     fmt::print("{}\n", json_text(summary, 2));
     return 0;
   }
@@ -174,6 +218,16 @@ void add_repair(CLI::App& app, std::function<int()>& action) {
   verb->callback([arguments, &action] { action = [arguments] { return repair(*arguments); }; });
 }
 
+void add_info(CLI::App& app, std::function<int()>& action) {
+  const auto arguments = std::make_shared<InfoArguments>();
+  CLI::App* const verb = app.add_subcommand("info", "Say what a capture holds");
+  verb->add_option("file", arguments->file.file, "Capture")->required();
+  verb->add_flag("--json", arguments->file.json, "Print one JSON document");
+  verb->add_flag("--draws", arguments->draws, "List a frame's draws in their order");
+  verb->add_option("--frame", arguments->frame, "The frame of --draws; default: 0");
+  verb->callback([arguments, &action] { action = [arguments] { return info(*arguments); }; });
+}
+
 void add_file_verb(CLI::App& app, std::function<int()>& action, const char* name, const char* description,
                    int (*run)(const FileArguments&)) {
   const auto arguments = std::make_shared<FileArguments>();
@@ -187,7 +241,7 @@ void add_file_verb(CLI::App& app, std::function<int()>& action, const char* name
 
 void add_capture_verbs(CLI::App& app, std::function<int()>& action) {
   add_generate(app, action);
-  add_file_verb(app, action, "info", "Say what a capture holds", &info);
+  add_info(app, action);
   add_file_verb(app, action, "validate", "Look for mistakes in a capture; exit code 1 when there are errors",
                 &validate);
   add_repair(app, action);

@@ -1,4 +1,4 @@
-// The verbs `generate`, `import`, `info` and `validate`.
+// The verbs `generate`, `info`, `validate` and `repair`.
 #pragma once
 
 #include <CLI/CLI.hpp>

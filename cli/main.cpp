@@ -9,6 +9,7 @@
 
 #include "base/failure.hpp"
 #include "base/printable.hpp"
+#include "cli/capture_tool_verbs.hpp"
 #include "cli/capture_verbs.hpp"
 #include "cli/import_verbs.hpp"
 #include "cli/measure_verbs.hpp"
@@ -47,6 +48,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   std::function<int()> action;
   subpixel::cli::add_capture_verbs(app, action);
+  subpixel::cli::add_capture_tool_verbs(app, action);
   subpixel::cli::add_import_verbs(app, action);
   subpixel::cli::add_replay_verbs(app, action);
   subpixel::cli::add_measure_verbs(app, action);

@@ -8,6 +8,7 @@ layers='
 base:
 capture_format: base
 capture_format/reading: base capture_format
+capture_format/tools: base capture_format
 recorder: base capture_format
 scenes/builder: base capture_format
 scenes/generate: base capture_format scenes/builder

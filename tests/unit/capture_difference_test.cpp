@@ -1,0 +1,231 @@
+// What `subpixel diff` says of two captures, each change alone and all of them in a shuffled frame of many draws.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <functional>
+#include <random>
+
+#include "capture_format/tools/difference.hpp"
+#include "capture_format/writer.hpp"
+#include "tests/technique/run_binary.hpp"
+#include "tests/unit/capture_fixture.hpp"
+
+namespace subpixel::capture {
+namespace {
+
+using nlohmann::json;
+
+// Of version_2_capture() and what `change` makes of it, frame 0.
+json frame_after(const std::function<void(Capture&)>& change) {
+  Capture changed = version_2_capture();
+  change(changed);
+  const json found = difference(version_2_capture(), changed);
+  EXPECT_FALSE(found["same"].get<bool>());
+  EXPECT_EQ(found["frames"][1]["same"], true);
+  return found["frames"][0];
+}
+
+// Of one changed draw.
+json draw_after(const std::function<void(Capture&)>& change) {
+  const json frame = frame_after(change);
+  EXPECT_EQ(frame["changed"].size(), 1u) << frame.dump(2);
+  EXPECT_TRUE(frame["added"].empty() && frame["gone"].empty() && frame["fields"].empty()) << frame.dump(2);
+  return frame["changed"].empty() ? json() : frame["changed"][0];
+}
+
+TEST(CaptureDifference, ACaptureIsLikeItself) {
+  const json found = difference(version_2_capture(), version_2_capture());
+  EXPECT_TRUE(found["same"].get<bool>());
+  EXPECT_EQ(found["frames"][0]["equal"], 2);
+  EXPECT_EQ(difference_text(found), "the same: 2 frames\n");
+}
+
+TEST(CaptureDifference, HowItIsStoredDoesNotCount) {
+  Capture other = version_2_capture();
+  other.metadata.title = "Another";
+  other.metadata.notices.clear();
+  other.buffers.insert(other.buffers.begin(), Buffer{"more", std::vector<std::byte>(100)});
+  std::swap(other.materials[0], other.materials[1]);
+  other.materials[0].name = "another name";
+  std::swap(other.textures[0], other.textures[1]);
+  std::swap(other.materials[0].base_colour_texture, other.materials[0].normal_texture);
+  for (Draw& draw : other.frames[0].draws) {
+    draw.material = 1 - draw.material;
+    for (VertexStream* stream : {&draw.position, &draw.normal, &draw.uv, &draw.uv2, &draw.colour}) {
+      if (stream->buffer != kNone) ++stream->buffer;
+    }
+    if (draw.index_buffer != kNone) ++draw.index_buffer;
+    if (draw.instance_buffer != kNone) ++draw.instance_buffer;
+  }
+  // Indices of 32 bits, and normals that are the same floats.
+  Draw& draw = other.frames[0].draws[0];
+  draw.index_type = IndexType::uint32;
+  draw.index_buffer = static_cast<std::uint32_t>(other.buffers.size());
+  draw.index_offset = 0;
+  other.buffers.push_back({"wide", bytes_of(std::vector<std::uint32_t>{0, 1, 2, 2, 1, 3})});
+  draw.normal = {static_cast<std::uint32_t>(other.buffers.size()), VertexFormat::float32x3, 0, 0};
+  other.buffers.push_back({"normal", bytes_of(std::vector<float>{0, 0, 1})});
+  const json found = difference(version_2_capture(), other);
+  EXPECT_TRUE(found["same"].get<bool>()) << found.dump(2);
+}
+
+TEST(CaptureDifference, Placement) {
+  json draw = draw_after([](Capture& c) { c.frames[0].draws[1].transform[12] = 7; });
+  EXPECT_EQ(draw["moved"], (json{{"transform", true}, {"instances", {1, 1}}}));
+  EXPECT_TRUE(draw["mesh"].empty() && draw["material"].empty() && draw["textures"].empty());
+  draw = draw_after([](Capture& c) { c.frames[0].draws[0].instance_count = 1; });
+  EXPECT_EQ(draw["moved"], (json{{"transform", false}, {"instances", {2, 1}}}));
+}
+
+TEST(CaptureDifference, MaterialsAndTextures) {
+  json draw = draw_after([](Capture& c) { c.materials[1].roughness = 0.25f; });
+  EXPECT_EQ(draw["material"], json::array({{{"field", "roughness"}, {"a", 0.8f}, {"b", 0.25f}}}));
+  EXPECT_TRUE(draw["moved"].is_null() && draw["mesh"].empty() && draw["textures"].empty());
+  draw = draw_after([](Capture& c) { c.textures[0].bytes[0] = std::byte{1}; });
+  EXPECT_EQ(draw["textures"], json::array({{{"field", "base_colour_texture"}, {"a", "dots"}, {"b", "dots"}}}));
+  draw = draw_after([](Capture& c) { c.textures[0].sampler.wrap_u = Wrap::repeat; });
+  EXPECT_EQ(draw["textures"][0]["field"], "base_colour_texture");
+  draw = draw_after([](Capture& c) { c.materials[1].normal_texture = kNone; });
+  EXPECT_EQ(draw["textures"], json::array({{{"field", "normal_texture"}, {"a", "file"}, {"b", nullptr}}}));
+  draw = draw_after([](Capture& c) { c.frames[0].draws[1].material = 1; });
+  EXPECT_GT(draw["material"].size(), 4u);
+  EXPECT_EQ(draw["textures"].size(), 2u);
+}
+
+TEST(CaptureDifference, Meshes) {
+  json draw = draw_after([](Capture& c) { c.buffers[3].bytes[16] = std::byte{9}; });
+  EXPECT_EQ(draw["mesh"], json{"uv"});
+  draw = draw_after([](Capture& c) { c.frames[0].draws[0].colour.buffer = kNone; });
+  EXPECT_EQ(draw["mesh"], json{"colour"});
+  draw = draw_after([](Capture& c) { c.frames[0].draws[0].index_count = 3; });
+  EXPECT_EQ(draw["mesh"], json{"triangles"});
+  const json frame = frame_after([](Capture& c) { c.buffers[0].bytes[20] = std::byte{9}; });  // both draws read it
+  EXPECT_EQ(frame["changed"].size(), 2u);
+  EXPECT_EQ(frame["changed"][0]["mesh"], json{"position"});
+}
+
+TEST(CaptureDifference, FieldsOfFrames) {
+  const json frame = frame_after([](Capture& c) {
+    c.frames[0].width = 65;
+    c.frames[0].view[12] = 1;
+    c.frames[0].sun->shadows = false;
+    c.frames[0].point_lights[1].range = 8;
+    c.frames[0].point_lights.emplace_back();
+  });
+  std::vector<std::string> fields;
+  for (const json& field : frame["fields"]) fields.push_back(field["field"]);
+  EXPECT_EQ(fields, (std::vector<std::string>{"view", "width", "sun", "point_lights[1]", "point_lights[2]"}));
+  EXPECT_EQ(frame["equal"], 2);
+}
+
+TEST(CaptureDifference, AddedGoneRenamedAndReordered) {
+  json frame = frame_after([](Capture& c) { c.frames[0].draws.erase(c.frames[0].draws.begin()); });
+  EXPECT_EQ(frame["gone"], json::array({{{"draw", 0}, {"name", "indexed"}}}));
+  EXPECT_EQ(frame["equal"], 1);
+  frame = frame_after([](Capture& c) {
+    c.frames[0].draws.push_back(c.frames[0].draws[1]);
+    c.frames[0].draws[2].name = "new";
+    c.frames[0].draws[2].transform[12] = 7;
+  });
+  EXPECT_EQ(frame["added"], json::array({{{"draw", 2}, {"name", "new"}}}));
+  frame = frame_after([](Capture& c) { std::swap(c.frames[0].draws[0], c.frames[0].draws[1]); });
+  EXPECT_EQ(frame["reordered"], 1);
+  EXPECT_EQ(frame["equal"], 2);
+  EXPECT_EQ(draw_after([](Capture& c) { c.frames[0].draws[0].name = "other"; })["renamed"], "other");
+}
+
+// 6000 draws of one name, of which one is gone, one moved and one new: the others must be matched with themselves.
+TEST(CaptureDifference, ManyDrawsOfOneName) {
+  Capture a = version_2_capture();
+  const Draw draw = a.frames[0].draws[1];
+  a.frames[0].draws.clear();
+  for (int i = 0; i < 6000; ++i) {
+    a.frames[0].draws.push_back(draw);
+    a.frames[0].draws.back().transform[13] = static_cast<float>(i);
+  }
+  Capture b = a;
+  b.frames[0].draws.erase(b.frames[0].draws.begin() + 100);
+  b.frames[0].draws[3000].transform[13] = -1;
+  const json frame = difference(a, b)["frames"][0];
+  EXPECT_EQ(frame["equal"], 5998);
+  ASSERT_EQ(frame["changed"].size(), 1u);
+  EXPECT_EQ(frame["changed"][0]["a"], 3001);
+  EXPECT_EQ(frame["changed"][0]["b"], 3000);
+  EXPECT_EQ(frame["gone"], json::array({{{"draw", 100}, {"name", "list"}}}));
+  EXPECT_EQ(frame["reordered"], 0);
+  std::shuffle(b.frames[0].draws.begin(), b.frames[0].draws.end(), std::mt19937(1));
+  EXPECT_EQ(difference(a, b)["frames"][0]["equal"], 5998);
+  EXPECT_GT(difference(a, b)["frames"][0]["reordered"], 5000);
+}
+
+class CaptureVerbs : public testing::Test {
+ protected:
+  CaptureVerbs()
+      : folder_(std::filesystem::path(testing::TempDir()) / ("capture_verbs_" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+    write_capture(version_2_capture(), folder_ / "a.spcap");
+  }
+  ~CaptureVerbs() override { std::filesystem::remove_all(folder_); }
+
+  tests::Finished run(const std::string& arguments, int code) const {
+    SCOPED_TRACE(arguments);
+    const tests::Finished finished = tests::run_binary(arguments, folder_);
+    EXPECT_EQ(finished.code, code) << finished.error;
+    // One line for whoever reads it, and for scripts the code.
+    EXPECT_EQ(std::count(finished.error.begin(), finished.error.end(), '\n'), code > 1 ? 1 : 0) << finished.error;
+    return finished;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(CaptureVerbs, Diff) {
+  EXPECT_EQ(run("diff a.spcap a.spcap", 0).out, "the same: 2 frames\n");
+  Capture b = version_2_capture();
+  b.frames[0].draws[0].name = "\x1b[31m";
+  b.frames[0].draws[0].transform[12] = 9;
+  b.frames[0].exposure = 2;
+  write_capture(b, folder_ / "b.spcap");
+  const std::string text = run("diff a.spcap b.spcap", 1).out;
+  EXPECT_NE(text.find("frame 0: draws 2 -> 2: 1 equal, 0 changed, 1 added, 1 gone\n  exposure 1.0 -> 2.0\n"
+                      "  gone: draw 0 indexed\n  added: draw 0 \\x1b[31m\nframe 1: the same"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(json::parse(run("diff a.spcap b.spcap --json", 1).out)["frames"][0]["added"][0]["name"], "\x1b[31m");
+  run("diff a.spcap b.spcap --frames 1", 0);
+  run("diff a.spcap b.spcap --frames 2", 2);
+  run("diff a.spcap missing.spcap", 3);
+}
+
+TEST_F(CaptureVerbs, Trim) {
+  const tests::Finished trimmed = run("trim a.spcap t.spcap --frames 0 --draws 'ind*'", 0);
+  EXPECT_NE(trimmed.out.find("trimmed: frame 0 of 2; 1 of 2 draws, those of ind*"), std::string::npos) << trimmed.out;
+  EXPECT_LT(std::filesystem::file_size(folder_ / "t.spcap"), std::filesystem::file_size(folder_ / "a.spcap"));
+  EXPECT_NE(run("info t.spcap", 0).out.find("trimmed: frame"), std::string::npos);
+  run("validate t.spcap", 0);
+  run("trim a.spcap u.spcap --frames 5", 2);
+  run("trim a.spcap u.spcap --draws tree", 2);
+  run("trim a.spcap u.spcap --without '*'", 2);
+  run("trim a.spcap u.spcap", 2);
+  run("trim a.spcap u.spcap --draws 0 --without 1", 2);
+  run("trim missing.spcap u.spcap --frames 0", 3);
+  run("trim a.spcap missing/u.spcap --frames 0", 3);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "u.spcap"));
+}
+
+TEST_F(CaptureVerbs, InfoOfDraws) {
+  const std::string text = run("info a.spcap --draws", 0).out;
+  EXPECT_NE(text.find("     0          4         2          4   u16"), std::string::npos) << text;
+  EXPECT_NE(text.find("indexed; 1 leaf; base_colour 0 dots, normal 1 file\n"), std::string::npos) << text;
+  EXPECT_LT(text.find("indexed; 1"), text.find("list; 0 plain; none"));
+  const json document = json::parse(run("info a.spcap --draws --json", 0).out);
+  EXPECT_EQ(document["draws_of_frame"]["draws"].size(), 2u);
+  EXPECT_EQ(document["draws"], 2);
+  EXPECT_EQ(json::parse(run("info a.spcap --draws --frame 1 --json", 0).out)["draws_of_frame"]["frame"], 1);
+  run("info a.spcap --draws --frame 2", 2);
+  run("info a.spcap --frame 0", 2);
+}
+
+}  // namespace
+}  // namespace subpixel::capture
