@@ -47,7 +47,7 @@ library=$(echo "$prefix"/lib*/libsubpixel_recorder.so)
 needed=$(readelf -d "$library" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' |
   grep -vE '^(libzstd|libxxhash|libstdc\+\+|libgcc_s|libm|libc|libpthread|ld-linux[a-z0-9-]*)\.so' || true)
 [ -z "$needed" ] || fail "the library needs $needed"
-readelf -d "$library" | grep -q 'SONAME.*libsubpixel_recorder\.so\.[0-9]' || fail "no SONAME with a number"
+readelf -d "$library" | grep 'SONAME.*libsubpixel_recorder\.so\.[0-9]' >/dev/null || fail "no SONAME with a number"
 # Every function of the header is there, and what is there is C's functions and the C++ recorders alone.
 nm -D --defined-only "$library" | awk '{print $3}' | sed 's/@.*//' | sort >"$work/shown"
 grep -oE 'subpixel_[a-z_]+\(' "$source_dir/recorder/subpixel_recorder.h" | tr -d '(' | sort -u |
