@@ -252,11 +252,15 @@ void check_buffer(const Buffer& buffer, const Report& report) {
 }
 
 void check_texture(const Texture& texture, const Report& report) {
+  check_texture(texture, texture.bytes.size(), report);
+}
+
+void check_texture(const Texture& texture, std::uint64_t bytes, const Report& report) {
   check_text("name", texture.name, report);
   check_sampler(texture.sampler, report);
   if (texture.encoding == TextureEncoding::image_file) {
     if (texture.width != 0 || texture.height != 0) report("width", "set on a texture that is an image file");
-    if (texture.bytes.empty()) report("bytes", "empty");
+    if (bytes == 0) report("bytes", "empty");
     return;
   }
   if (texture.encoding != TextureEncoding::rgba8) {
@@ -266,8 +270,8 @@ void check_texture(const Texture& texture, const Report& report) {
   check_side("width", texture.width, kMaxTextureSide, report);
   check_side("height", texture.height, kMaxTextureSide, report);
   const std::uint64_t needed = 4ull * texture.width * texture.height;
-  if (texture.bytes.size() != needed) {
-    report("bytes", std::to_string(texture.bytes.size()) + " bytes instead of " + std::to_string(needed));
+  if (bytes != needed) {
+    report("bytes", std::to_string(bytes) + " bytes instead of " + std::to_string(needed));
   }
 }
 

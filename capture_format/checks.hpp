@@ -23,6 +23,8 @@ bool is_utf8(std::string_view text);
 void check_metadata(const Metadata& metadata, const Report& report);
 void check_buffer(const Buffer& buffer, const Report& report);
 void check_texture(const Texture& texture, const Report& report);
+// Of a texture that has so many bytes, whether or not they are there.
+void check_texture(const Texture& texture, std::uint64_t bytes, const Report& report);
 
 // Texture numbers are checked against `texture_count`.
 void check_material(const Material& material, std::size_t texture_count, const Report& report);

@@ -11,7 +11,6 @@
 #include <deque>
 #include <exception>
 #include <mutex>
-#include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -21,23 +20,13 @@
 #include "base/hash.hpp"
 #include "capture_format/chunk_writer.hpp"
 #include "capture_format/record_writer.hpp"
-#include "capture_format/texture_key.hpp"
+#include "capture_format/recorder_parts.hpp"
 
 namespace subpixel::capture {
 namespace {
 
 // Of the version in which chunks may stand in the order in which they come.
 const RecordWriter kRecords(3);
-
-Report refuse(std::string_view what) {
-  return [what](std::string_view field, const std::string& why) {
-    throw UsageError("can't record the " + std::string(what), why, "field " + std::string(field));
-  };
-}
-
-void require(bool holds, const char* what, const char* why) {
-  if (!holds) throw UsageError(what, why, "");
-}
 
 [[noreturn]] void fail(const std::filesystem::path& path, int error) {
   throw InputError("can't write the recording", std::generic_category().message(error), path.string());
@@ -202,7 +191,7 @@ class StreamRecorder::Writer {
 StreamRecorder::StreamRecorder(const Metadata& metadata, const std::filesystem::path& path,
                                const StreamOptions& options)
     : options_(options), path_(path) {
-  check_metadata(metadata, refuse("metadata"));
+  check_metadata(metadata, refuse_to_record("metadata"));
   writer_ = std::make_unique<Writer>(path, options);
   part_path_ = writer_->path();
   writer_->add(ChunkType::metadata, 0, kRecords.metadata(metadata));
@@ -226,9 +215,9 @@ std::uint32_t StreamRecorder::add_data(const std::string& hash, std::span<const 
 std::uint32_t StreamRecorder::add_buffer(const std::string& name, std::span<const std::byte> bytes) {
   const std::string hash = content_hash_hex(bytes);
   if (const auto found = buffers_.find(hash); found != buffers_.end()) return found->second;
-  require(buffer_bytes_.size() < kMaxBuffers, "can't record the buffer", "there are too many");
+  require_of_caller(buffer_bytes_.size() < kMaxBuffers, "can't record the buffer", "there are too many");
   const Buffer buffer{name, {}};
-  check_buffer(buffer, refuse("buffer"));
+  check_buffer(buffer, refuse_to_record("buffer"));
   const auto number = static_cast<std::uint32_t>(buffer_bytes_.size());
   const std::uint32_t data = add_data(hash, bytes);
   writer_->add(ChunkType::buffer, number, kRecords.buffer(buffer, data));
@@ -240,10 +229,10 @@ std::uint32_t StreamRecorder::add_buffer(const std::string& name, std::span<cons
 }
 
 std::uint32_t StreamRecorder::add_texture(const Texture& texture) {
-  check_texture(texture, refuse("texture"));
+  check_texture(texture, refuse_to_record("texture"));
   const std::string key = texture_key(texture);
   if (const auto found = textures_.find(key); found != textures_.end()) return found->second;
-  require(texture_count_ < kMaxTextures, "can't record the texture", "there are too many");
+  require_of_caller(texture_count_ < kMaxTextures, "can't record the texture", "there are too many");
   const std::uint32_t data = add_data(content_hash_hex(texture.bytes), texture.bytes);
   writer_->add(ChunkType::texture, texture_count_, kRecords.texture(texture, data));
   textures_.emplace(key, texture_count_);
@@ -251,24 +240,24 @@ std::uint32_t StreamRecorder::add_texture(const Texture& texture) {
 }
 
 std::uint32_t StreamRecorder::add_material(Material material) {
-  check_material(material, texture_count_, refuse("material"));
-  require(material_count_ < kMaxMaterials, "can't record the material", "there are too many");
+  check_material(material, texture_count_, refuse_to_record("material"));
+  require_of_caller(material_count_ < kMaxMaterials, "can't record the material", "there are too many");
   new_materials_.push_back(std::move(material));
   return material_count_++;
 }
 
 void StreamRecorder::begin_frame(Frame frame) {
-  require(!frame_, "can't begin a frame", "the frame before has not ended");
-  require(frame.draws.empty(), "can't begin a frame", "it has draws already");
-  require(frame_count_ < kMaxFrames, "can't begin a frame", "there are too many");
-  check_frame(frame, refuse("frame"));
+  require_of_caller(!frame_, "can't begin a frame", "the frame before has not ended");
+  require_of_caller(frame.draws.empty(), "can't begin a frame", "it has draws already");
+  require_of_caller(frame_count_ < kMaxFrames, "can't begin a frame", "there are too many");
+  check_frame(frame, refuse_to_record("frame"));
   frame_ = std::move(frame);
 }
 
 void StreamRecorder::draw(Draw draw) {
-  require(frame_.has_value(), "can't record the draw", "no frame has begun");
-  require(frame_->draws.size() < kMaxDraws, "can't record the draw", "the frame has too many");
-  static const Report kRefuse = refuse("draw");
+  require_of_caller(frame_.has_value(), "can't record the draw", "no frame has begun");
+  require_of_caller(frame_->draws.size() < kMaxDraws, "can't record the draw", "the frame has too many");
+  static const Report kRefuse = refuse_to_record("draw");
   check_draw({buffer_bytes_, material_count_}, draw, kRefuse);
   indices_.check(
       draw, [this](std::uint32_t buffer) { return bytes_of(buffer); }, kRefuse);
@@ -276,8 +265,8 @@ void StreamRecorder::draw(Draw draw) {
 }
 
 void StreamRecorder::end_frame() {
-  require(frame_.has_value(), "can't end the frame", "none has begun");
-  check_draw_list(*frame_, refuse("frame"));
+  require_of_caller(frame_.has_value(), "can't end the frame", "none has begun");
+  check_draw_list(*frame_, refuse_to_record("frame"));
   flush_materials();
   writer_->add(ChunkType::frame, frame_count_, kRecords.frame(*frame_));
   ++frame_count_;
@@ -293,7 +282,7 @@ void StreamRecorder::flush_materials() {
 }
 
 void StreamRecorder::finish() {
-  require(!frame_, "can't finish the recording", "a frame has not ended");
+  require_of_caller(!frame_, "can't finish the recording", "a frame has not ended");
   flush_materials();
   writer_->finish();
   if (std::rename(part_path_.c_str(), path_.c_str()) != 0) fail(path_, errno);

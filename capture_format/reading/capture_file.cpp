@@ -177,9 +177,7 @@ Capture CaptureFile::load(std::size_t first, std::size_t last) const {
     for (const std::uint32_t number : used.buffers) {
       const std::vector<std::byte> record = payload(buffers_[number]);
       FieldReader in(record, buffers_[number]);
-      Buffer buffer;
-      buffer.name = in.text("name");
-      buffer.bytes = take(in);
+      Buffer buffer = records_->buffer(in, take);
       check_buffer(buffer, fail_in(in));
       in.finish();
       capture.buffers.push_back(std::move(buffer));
@@ -187,9 +185,7 @@ Capture CaptureFile::load(std::size_t first, std::size_t last) const {
     for (const std::uint32_t number : used_textures) {
       const std::vector<std::byte> record = payload(textures_[number]);
       FieldReader in(record, textures_[number]);
-      Texture texture = records_->texture_head(in);
-      texture.bytes = take(in);
-      texture.sampler = records_->sampler(in);
+      Texture texture = records_->texture(in, take);
       check_texture(texture, fail_in(in));
       in.finish();
       capture.textures.push_back(std::move(texture));
@@ -221,17 +217,21 @@ CaptureFile::Outline CaptureFile::outline() const {
     for (const ChunkAt& chunk : buffers_) {
       const std::vector<std::byte> record = payload(chunk);
       FieldReader in(record, chunk);
-      capture.buffers.push_back({in.text("name"), {}});
-      data_chunk(in);
+      capture.buffers.push_back(records_->buffer(in, [this](FieldReader& fields) {
+        data_chunk(fields);
+        return std::vector<std::byte>();
+      }));
       check_buffer(capture.buffers.back(), fail_in(in));
       in.finish();
     }
     for (const ChunkAt& chunk : textures_) {
       const std::vector<std::byte> record = payload(chunk);
       FieldReader in(record, chunk);
-      Texture texture = records_->texture_head(in);
-      outline.texture_bytes.push_back(data_chunk(in).header.decoded_bytes);
-      texture.sampler = records_->sampler(in);
+      Texture texture = records_->texture(in, [&](FieldReader& fields) {
+        outline.texture_bytes.push_back(data_chunk(fields).header.decoded_bytes);
+        return std::vector<std::byte>();
+      });
+      check_texture(texture, outline.texture_bytes.back(), fail_in(in));
       in.finish();
       capture.textures.push_back(std::move(texture));
     }

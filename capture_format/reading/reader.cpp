@@ -133,18 +133,14 @@ class CaptureReader {
 
  private:
   void read_buffer(FieldReader& in) {
-    Buffer buffer;
-    buffer.name = in.text("name");
-    buffer.bytes = data_.take(in);
+    Buffer buffer = records_.buffer(in, [this](FieldReader& fields) { return data_.take(fields); });
     check_buffer(buffer, fail_in(in));
     buffer_bytes_.push_back(buffer.bytes.size());
     capture_.buffers.push_back(std::move(buffer));
   }
 
   void read_texture(FieldReader& in) {
-    Texture texture = records_.texture_head(in);
-    texture.bytes = data_.take(in);
-    texture.sampler = records_.sampler(in);
+    Texture texture = records_.texture(in, [this](FieldReader& fields) { return data_.take(fields); });
     check_texture(texture, fail_in(in));
     capture_.textures.push_back(std::move(texture));
   }

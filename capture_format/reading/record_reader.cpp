@@ -42,13 +42,22 @@ Metadata RecordReader::metadata(FieldReader& in) const {
   return metadata;
 }
 
-Texture RecordReader::texture_head(FieldReader& in) const {
+Buffer RecordReader::buffer(FieldReader& in, const TakeData& take_data) const {
+  Buffer buffer;
+  buffer.name = in.text("name");
+  buffer.bytes = take_data(in);
+  return buffer;
+}
+
+Texture RecordReader::texture(FieldReader& in, const TakeData& take_data) const {
   Texture texture;
   texture.name = in.text("name");
   texture.encoding = in.get<TextureEncoding>("encoding");
   texture.srgb = in.flag("srgb");
   texture.width = in.get<std::uint32_t>("width");
   texture.height = in.get<std::uint32_t>("height");
+  texture.bytes = take_data(in);
+  texture.sampler = sampler(in);
   return texture;
 }
 

@@ -22,9 +22,11 @@ class RecordReader {
 
   Metadata metadata(FieldReader& in) const;
 
-  // A texture's fields before and after its data number; they are not checked before the texture is whole.
-  Texture texture_head(FieldReader& in) const;
-  Sampler sampler(FieldReader& in) const;
+  // `take_data` reads the data number and returns its bytes, or none. What comes back is for check_buffer() and
+  // check_texture().
+  using TakeData = std::function<std::vector<std::byte>(FieldReader&)>;
+  Buffer buffer(FieldReader& in, const TakeData& take_data) const;
+  Texture texture(FieldReader& in, const TakeData& take_data) const;
 
   std::vector<Material> materials(FieldReader& in, std::size_t texture_count) const;
 
@@ -33,6 +35,7 @@ class RecordReader {
               const std::function<void(const Draw&, const Report&)>& check_indices) const;
 
  private:
+  Sampler sampler(FieldReader& in) const;
   UvMapping uv_mapping(FieldReader& in, std::string_view name) const;
   Material material(FieldReader& in) const;
   PointLight point_light(FieldReader& in) const;

@@ -170,7 +170,7 @@ class CaptureVerbs : public testing::Test {
 
   tests::Finished run(const std::string& arguments, int code) const {
     SCOPED_TRACE(arguments);
-    const tests::Finished finished = tests::run_binary(arguments, folder_);
+    tests::Finished finished = tests::run_binary(arguments, folder_);
     EXPECT_EQ(finished.code, code) << finished.error;
     // One line for whoever reads it, and for scripts the code.
     EXPECT_EQ(std::count(finished.error.begin(), finished.error.end(), '\n'), code > 1 ? 1 : 0) << finished.error;

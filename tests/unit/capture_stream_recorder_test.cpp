@@ -14,7 +14,7 @@
 #include "capture_format/stream_recorder.hpp"
 #include "capture_format/streams.hpp"
 #include "capture_format/writer.hpp"
-#include "tests/unit/capture_fixture.hpp"
+#include "tests/unit/capture_forgery.hpp"
 
 namespace subpixel::capture {
 namespace {
@@ -121,6 +121,22 @@ TEST_F(CaptureStreamRecorder, OneFrameLoadsWithWhatItUsesAlone) {
   }
   const CaptureFile::Outline outline = file.outline();
   EXPECT_EQ(summarize(outline.capture, outline.buffer_bytes, outline.texture_bytes, "h", 1), summarize(all, "h", 1));
+}
+
+// An outline looks at no bytes of a texture, but at all that is said of it.
+TEST_F(CaptureStreamRecorder, AnOutlineHoldsTexturesToTheRules) {
+  Forgery forgery(small_capture());
+  forgery.set_payload(ChunkType::texture, 0, 4 + 4, std::uint32_t{7});  // the encoding, after the name "dots"
+  std::ofstream out(path_, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(forgery.bytes().data()),
+            static_cast<std::streamsize>(forgery.bytes().size()));
+  out.close();
+  try {
+    CaptureFile(path_).outline();
+    ADD_FAILURE() << "was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("field encoding"), std::string::npos) << error.what();
+  }
 }
 
 // At whatever byte a recording breaks off, what is read are the frames that were whole by then.

@@ -1,7 +1,8 @@
-#include "capture_format/texture_key.hpp"
+#include "capture_format/recorder_parts.hpp"
 
 #include <cstdint>
 
+#include "base/error.hpp"
 #include "base/hash.hpp"
 
 namespace subpixel::capture {
@@ -16,6 +17,16 @@ std::string texture_key(const Texture& texture) {
     key += std::to_string(part) + " ";
   }
   return key;
+}
+
+Report refuse_to_record(std::string_view what) {
+  return [what](std::string_view field, const std::string& why) {
+    throw UsageError("can't record the " + std::string(what), why, "field " + std::string(field));
+  };
+}
+
+void require_of_caller(bool holds, const char* what, const char* why) {
+  if (!holds) throw UsageError(what, why, "");
 }
 
 }  // namespace subpixel::capture
