@@ -417,7 +417,8 @@ std::string shown(const json& value) {
 }
 
 std::string field_text(const json& field) {
-  const std::string name = field["field"].get<std::string>(), a = shown(field["a"]), b = shown(field["b"]);
+  std::string name = field["field"].get<std::string>();
+  const std::string a = shown(field["a"]), b = shown(field["b"]);
   if (a.empty() && b.empty()) return name;
   return name + " " + (a.empty() ? "some" : a) + " -> " + (b.empty() ? "some" : b);
 }
