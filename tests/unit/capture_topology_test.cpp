@@ -160,7 +160,7 @@ TEST(CaptureTopology, PackedFormatsHaveVulkansValues) {
   // 1 has exponent 15 and no mantissa; 1.5 the mantissa's highest bit.
   EXPECT_EQ(decoded(VertexFormat::float11x2_10, word((15u << 6) | (15u << 6 | 1u << 5) << 11 | (14u << 5) << 22), 3),
             (std::vector<float>{1, 1.5f, 0.5f}));
-  const auto shorts = [](std::vector<std::uint16_t> values) { return bytes_of(values); };
+  const auto shorts = [](const std::vector<std::uint16_t>& values) { return bytes_of(values); };
   EXPECT_EQ(decoded(VertexFormat::float16x3, shorts({0x3c00, 0xc000, 0x3800}), 4),
             (std::vector<float>{1, -2, 0.5f, 1}));
   EXPECT_EQ(decoded(VertexFormat::snorm16x2, shorts({0x7fff, 0x8000}), 2), (std::vector<float>{1, -1}));
