@@ -43,8 +43,8 @@ std::string chunk_name(ChunkType type, std::uint32_t id);
 // stay within the limits. Payload checksums are left to decode_chunk().
 ChunkList list_chunks(std::span<const std::byte> file, const ReadLimits& limits);
 
-// The chunks that are whole from the file's beginning on, checksums verified; what ended them, empty when the index
-// did.
+// The chunks that are whole from the file's beginning on, their payloads not looked at; what ended them, empty when the
+// index did.
 struct WholeChunks {
   ChunkList list;
   std::string stopped;

@@ -123,6 +123,26 @@ TEST_F(CaptureStreamRecorder, OneFrameLoadsWithWhatItUsesAlone) {
   EXPECT_EQ(summarize(outline.capture, outline.buffer_bytes, outline.texture_bytes, "h", 1), summarize(all, "h", 1));
 }
 
+// A frame that is loaded alone is held to its indices, like one that is read with all others.
+TEST_F(CaptureStreamRecorder, AFrameLoadedAloneIsHeldToItsIndices) {
+  Forgery forgery(small_capture());
+  const std::size_t buffer = forgery.chunk(ChunkType::buffer, 1) + kChunkHeaderBytes;  // the indices
+  const auto data = forgery.get<std::uint32_t>(buffer + 4 + forgery.get<std::uint32_t>(buffer));
+  forgery.set_payload(ChunkType::data, data, 4, std::uint16_t{4});  // of four vertices
+  std::ofstream out(path_, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(forgery.bytes().data()),
+            static_cast<std::streamsize>(forgery.bytes().size()));
+  out.close();
+  EXPECT_REFUSED(forgery, "field index_buffer");
+  const CaptureFile file(path_);
+  try {
+    file.load(0, 0);
+    ADD_FAILURE() << "was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("FRAM 0, draw 0, field index_buffer"), std::string::npos) << error.what();
+  }
+}
+
 // An outline looks at no bytes of a texture, but at all that is said of it.
 TEST_F(CaptureStreamRecorder, AnOutlineHoldsTexturesToTheRules) {
   Forgery forgery(small_capture());
