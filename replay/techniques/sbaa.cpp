@@ -31,11 +31,17 @@ bool merges(const Setup& setup) {
 MemoryLayout layout(const Setup& setup) {
   const double n = setup.samples, s = setup.parameters.surfaces;
   MemoryLayout memory;
-  // Aggregate paper, section 5.4: a byte of primitive number a sample, 2 bytes of surface description a surface.
-  memory.paper = {{"depth", 32 * n}, {"primitive hash", 8 * n}, {"G-buffer samples", 128 * s}, {"surfaces", 16 * s}};
+  const double normals = merges(setup) ? 16 * n : 0;
+  // Aggregate paper, section 5.4 and figure 14, for merging: depth and the 2-byte normal of its figure 7 a sample, as
+  // its own first pass stores them; a byte of primitive number a sample and 2 bytes of description a surface on top.
+  memory.paper = {{"depth", 32 * n},
+                  {"primitive hash", 8 * n},
+                  {"normals", normals},
+                  {"G-buffer samples", 128 * s},
+                  {"surfaces", 16 * s}};
   memory.fitted = {{"depth", 32 * n},
                    {"primitive hash", 8 * n},
-                   {"normals", merges(setup) ? 16 * n : 0},
+                   {"normals", normals},
                    {"G-buffer samples", fitted_surface_bits(setup.scene.features()) * s},
                    {"surfaces", 16 * s}};
   return memory;

@@ -135,9 +135,18 @@ TEST(Sbaa, DroppedSamplesDoNotShowTheSky) {
 }
 
 TEST(Sbaa, MemoryIsThatOfThePapers) {
-  // n (depth + 1 byte) + S (16 + 2 bytes).
-  EXPECT_EQ(sbaa({{"samples", 8}, {"surfaces", 4}}).paper_bytes_per_pixel, 8 * 5 + 4 * 18);
-  EXPECT_EQ(sbaa({{"samples", 4}, {"surfaces", 2}}).paper_bytes_per_pixel, 4 * 5 + 2 * 18);
+  const auto bytes = [](const char* mode, int samples, int surfaces) {
+    return sbaa({{"mode", mode}, {"samples", samples}, {"surfaces", surfaces}}).paper_bytes_per_pixel;
+  };
+  // n (depth + 1 byte) + S (16 + 2 bytes), and a normal of 2 bytes a sample where it is needed.
+  EXPECT_EQ(bytes("merge", 8, 4), 8 * 7 + 4 * 18);
+  EXPECT_EQ(bytes("merge", 32, 6), 32 * 7 + 6 * 18);
+  EXPECT_EQ(bytes("id", 8, 4), 8 * 5 + 4 * 18);
+  EXPECT_EQ(bytes("id", 4, 2), 4 * 5 + 2 * 18);
+  // Aggregate paper, section 5.4: two aggregates in 37% less than S = 4.
+  const double aggregates =
+      run_technique(little_grass(), "agaa", {{"samples", 8}, {"aggregates", 2}}, 16, 16).paper_bytes_per_pixel;
+  EXPECT_NEAR(1 - aggregates / bytes("merge", 8, 4), 0.37, 0.005);
 }
 
 TEST(Sbaa, PlainSky) {
