@@ -138,6 +138,12 @@ Interval inverse(const Interval& interval) {
 
 enum class Part { shading, frame };
 
+// From stored attributes to display values: lighting, the mean over samples and the sky, the tone curve. `shade` of
+// `agaa` does all of it; `simple_complex` resolves in a pass of its own.
+Interval shading_ratio(const FrameResult& agaa, const FrameResult& simple_complex) {
+  return passes_ratio(agaa, {"shade"}, simple_complex, {"shade simple", "shade complex", "resolve"});
+}
+
 std::vector<Comparison> speed(const Measured& measured, Part part, std::optional<double> wanted) {
   std::vector<Comparison> comparisons;
   for (const Row& row : kTable1) {
@@ -149,9 +155,7 @@ std::vector<Comparison> speed(const Measured& measured, Part part, std::optional
       if (ours == nullptr || base == nullptr) continue;
       const double published = part == Part::shading ? (samples == 8 ? row.shading8 : row.shading32)
                                                      : (samples == 8 ? row.frame8 : row.frame32);
-      const Interval gain =
-          inverse(part == Part::frame ? time_ratio(*ours, *base)
-                                      : passes_ratio(*ours, {"shade"}, *base, {"shade simple", "shade complex"}));
+      const Interval gain = inverse(part == Part::frame ? time_ratio(*ours, *base) : shading_ratio(*ours, *base));
       if (std::isnan(gain.value)) continue;
       comparisons.push_back({fmt::format("{} {}x", row.scene, samples),
                              fmt::format("{:.2f} ({})", published, row.stands_for),
@@ -249,7 +253,8 @@ std::vector<Claim> agaa_claims() {
            "The same, at least that of the scene it stands for.", "scene", "{:.2f}", "{}",
            [](const Measured& measured) { return speed(measured, Part::frame, std::nullopt); }, &frame_shares},
           {"agaa", kPublication, "table 1", "speed-up of shading", "2.08 to 3.50 (8x), 2.23 to 9.23 (32x)",
-           "`shade` against both lighting passes of `simple_complex`, at least that of the scene it stands for.",
+           "`shade` against both lighting passes and the resolve of `simple_complex`, which `shade` contains, at least "
+           "that of the scene it stands for.",
            "scene", "{:.2f}", "{}",
            [](const Measured& measured) { return speed(measured, Part::shading, std::nullopt); }, &frame_shares}};
 }
