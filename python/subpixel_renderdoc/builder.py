@@ -1,7 +1,7 @@
 """A capture that grows: equal buffers, textures and materials are held once, over all frames."""
 import hashlib
 
-from subpixel_capture import Buffer, Capture, Material, Metadata
+from subpixel_capture import NONE, Buffer, Capture, Material, Metadata
 
 
 class Builder:
@@ -35,3 +35,14 @@ class Builder:
             self._materials[key] = len(self.capture.materials)
             self.capture.materials.append(material)
         return self._materials[key]
+
+    def drop_unused_textures(self):
+        """Leaves out what no material shows: textures of draws that others hide, or that were composed into one."""
+        capture = self.capture
+        fields = [name + "_texture" for name in ("base_colour", "normal", "metallic_roughness", "emissive")]
+        used = sorted(set(getattr(m, field) for m in capture.materials for field in fields) - {NONE})
+        moved = dict((old, new) for new, old in enumerate(used))
+        for material in capture.materials:
+            for field in fields:
+                setattr(material, field, moved.get(getattr(material, field), NONE))
+        capture.textures = [capture.textures[old] for old in used]

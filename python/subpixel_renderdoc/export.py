@@ -8,12 +8,18 @@ import subpixel_capture as spcap
 from subpixel_capture import Draw, Frame, VertexFormat, VertexStream
 
 from . import camera as cameras
-from . import geometry, textures
+from . import geometry, layers, textures
 from .builder import Builder
 from .errors import ExportError, renderdoc_module
 from .formats import float_bytes
 from .linear import column_major, determinant, transposed
 from .replay import Replay
+
+try:
+    import numpy
+    from . import bake
+except ImportError:  # qrenderdoc's own Python has none
+    numpy = None
 
 TOOL = "subpixel_renderdoc 1"
 MOST_INSTANCES = 65536
@@ -49,11 +55,13 @@ class Entry:
         self.instances = []       # meshes of instances 1, 2, ...
         self.textures = {}
         self.samplers = {}
+        self.uv_name = None       # of what the fragment shader reads the base colour at, where it says so
         self.discards, self.cutoff = False, None
         self.colour = None        # of a constant
         self.matrices = []
         self.data = {}            # (resource, stride) -> (bytes, offset of the first vertex)
-        self.kept = None          # numbers of triangles that are drawn; None: all
+        self.kept = set()         # numbers of triangles that are drawn
+        self.tints = self.uvs = self.placement = None  # asked for where layers are composed
         self.role = "surface"     # surface, prepass, layer
 
     def triangles(self):
@@ -107,6 +115,7 @@ class FrameExport:
         self.replay, self.builder, self.options = replay, builder, options
         self.rd = replay.rd
         self.notices = Notices()
+        self.piles, self.images = [], {}  # triangles to be composed; textures that were decoded for it
 
     def run(self, number):
         entries = self._main_view()
@@ -115,9 +124,10 @@ class FrameExport:
             raise ExportError("the RenderDoc capture can't be exported", "no draw of its main view can be taken: " +
                               "; ".join("{} ({})".format(r, len(n)) for r, n in self.notices.draws.items()))
         camera = self._camera(drawn)
-        drawn = self._layers(self._in_scene(drawn, camera), camera)
+        drawn = self._layers(self._in_scene(drawn, camera))
         frame = self._frame(number, camera)
         seen = {}
+        self._composed(camera, frame)
         for entry in drawn:
             self._draw(entry, camera, frame, seen)
         if not frame.draws:
@@ -329,6 +339,8 @@ class FrameExport:
             number, alpha = self.builder.texture_of[key]
             if number is not None:
                 entry.textures[role] = (number, alpha)
+        if "base_colour" in chosen:
+            entry.uv_name = textures.read_at(source, chosen["base_colour"][0])
 
     # --- the camera
 
@@ -420,72 +432,180 @@ class FrameExport:
 
     # --- passes over the same triangles
 
-    def _layers(self, drawn, camera):
-        """Colour that stands in later draws at equal depth: each depth-only triangle takes that of the strongest layer
-        drawn over it, and a draw over triangles that have colour already is left out."""
+    def _layers(self, drawn):
+        """Colour that stands in several draws at equal depth. A triangle that was drawn to depth alone and coloured by
+        one opaque draw is that one's; what several make up is composed (self.piles); a draw over triangles that have
+        colour already is left out."""
+        self.piles = []
         prepass = [e for e in drawn if e.role == "prepass"]
-        layers = [e for e in drawn if e.role == "layer"]
         surfaces = [e for e in drawn if e.role == "surface"]
-        if not prepass:
-            for entry in layers:
+        over = [e for e in drawn if e.role == "layer"]
+        for entry in drawn:
+            entry.kept = set() if entry in over else set(range(entry.triangles()))
+        bases = [e for e in surfaces if not (e.discards or e.state.blends or e.instances)]
+        used = set()
+        for stack in layers.stacks(prepass, surfaces + over):
+            if any(entry.role == "surface" for entry, _, _ in stack.over):
+                stack.base.kept.discard(stack.number)
+            else:
+                self._pile(stack, used)
+        for stack in layers.stacks(bases, over):
+            self._pile(stack, used)
+        for entry in over:
+            if entry.number not in used:
                 self.notices.draw("left out: writes no depth (blended or decal)", entry.name)
-            return surfaces
-        owner, covered = {}, {}
-        for entry in prepass:
-            entry.kept = set(range(entry.triangles()))
-            for t, keys in enumerate(geometry.triangle_keys(entry.mesh, camera)):
-                for grid, key in enumerate(keys):
-                    owner.setdefault((grid, key), (entry, t))
-
-        def under(entry):
-            for t, keys in enumerate(geometry.triangle_keys(entry.mesh, camera)):
-                held = owner.get((0, keys[0])) or owner.get((1, keys[1]))
-                if held:
-                    yield t, (held[0].number, held[1]), held
-
-        for entry in surfaces:
-            for _, _, (under_entry, under_t) in under(entry):
-                under_entry.kept.discard(under_t)
-        for entry in layers:
-            weights = self._weights(entry)
-            hits = 0
-            for t, place, held in under(entry):
-                hits += 1
-                weight = weights(t) * (1.0 if "base_colour" in entry.textures else 0.01)
-                if held[1] in held[0].kept and (place not in covered or weight >= covered[place][0]):
-                    covered[place] = (weight, entry, t, held)
-            if hits == 0:
-                self.notices.draw("left out: writes no depth (blended or decal)", entry.name)
-        for entry in layers:
-            entry.kept = set()
-        for weight, entry, t, (under_entry, under_t) in covered.values():
-            entry.kept.add(t)
-            under_entry.kept.discard(under_t)
-        used = [e for e in layers if e.kept]
-        for entry in used:
-            self.notices.draw("approximated: layers blended at equal depth; each triangle has the strongest one's "
-                              "texture", entry.name)
         bare = [e for e in prepass if e.kept]
         for entry in bare:
             self.notices.draw("approximated: drawn to depth alone, {} of {} triangles get no colour from other draws"
                               .format(len(entry.kept), entry.triangles()), entry.name)
-        return [e for e in drawn if e in surfaces or e in used or e in bare]
+        return [e for e in drawn if e.kept]
 
-    def _weights(self, entry):
-        """How strongly a layer's triangle shows: the mean alpha of its vertex colours, else 1."""
-        colour = geometry.pick(entry.attributes, geometry.COLOUR, 4, 4)
-        if colour is None:
-            colour = next((a for a in entry.attributes if a.constant is None and a.format.kind == "UNorm"
-                           and a.format.width == 1 and a.format.count == 4), None)
-        if colour is None:
-            return lambda t: 1.0
-        used = sorted(entry.mesh.post)
-        values = self._values(entry, colour, used, 4)
-        if values is None:
-            return lambda t: 1.0
-        alpha = dict(zip(used, (v[3] for v in values)))
-        corners = entry.mesh.corners
-        return lambda t: sum(alpha[v] for v in corners[3 * t:3 * t + 3]) / 3
+    def _pile(self, stack, used):
+        """Takes a stack's triangle from its draw and gives it to the one that shows, or to those to be composed."""
+        base, pile = stack.base, []
+        if base.role == "surface":
+            pile.append((base, stack.number, (0, 1, 2)))
+        for entry, t, order in stack.over:
+            if entry.instances or not layers.can_be_composed(entry.state, base.role == "surface"):
+                continue
+            used.add(entry.number)
+            # The same texture once more is another light's pass.
+            if any(e.textures.get("base_colour") == entry.textures.get("base_colour") for e, _, _ in pile):
+                continue
+            if not entry.state.blends:
+                pile = []
+            elif entry.state.blend[0] == "SrcAlpha" and not any(c[3] > 0 for c in self._corner_colours(entry, t)):
+                continue
+            pile.append((entry, t, order))
+        if pile == [] or pile[0][0] is base and len(pile) == 1:
+            return
+        base.kept.discard(stack.number)
+        is_cut = base.discards and base.cutoff is not None
+        if len(pile) == 1 and not pile[0][0].state.blends:
+            entry, t, _ = pile[0]
+            entry.kept.add(t)
+            if is_cut and not entry.discards:
+                entry.discards, entry.cutoff = True, base.cutoff
+        elif numpy is None or is_cut:
+            entry, t, _ = max(pile, key=lambda held: sum(c[3] for c in self._corner_colours(*held[:2])))
+            entry.kept.add(t)
+            self.notices.draw("approximated: layers blended at equal depth; each triangle has the strongest one's "
+                              "texture, as " + ("they are alpha-tested" if is_cut else "Python has no numpy"), entry.name)
+        else:
+            self.piles.append((base, stack.number, pile))
+
+    def _image(self, entry):
+        """The base colour as a bake.Image; white where there is none."""
+        number = entry.textures.get("base_colour", (None, None))[0]
+        if number not in self.images:
+            texels, wraps = numpy.full((1, 1, 4), 255, numpy.uint8), (1, 1)
+            if number is not None:
+                texture = self.builder.capture.textures[number]
+                wraps = (texture.sampler.wrap_u, texture.sampler.wrap_v)
+                found = textures.texels(texture)
+                if found is None:
+                    self.notices.draw("approximated: a layer's texture can't be decoded here; white", entry.name)
+                else:
+                    texels = found
+            self.images[number] = bake.Image(texels, wraps, self.typical.target_is_srgb)
+        return self.images[number]
+
+    def _corner_colours(self, entry, t):
+        """RGBA that a triangle's corners multiply its texture by."""
+        if entry.tints is None:
+            entry.tints = self._tints(entry)
+        first = entry.mesh.first
+        return [entry.tints[v - first] for v in entry.mesh.corners[3 * t:3 * t + 3]]
+
+    def _tints(self, entry):
+        mesh = entry.mesh
+        values = None
+        output = self._colour_output(entry)
+        if output is not None:
+            values = self._output_values(mesh, output[2], min(output[1], 4))
+        elif entry.role == "layer":
+            colour = geometry.pick(entry.attributes, geometry.COLOUR, 4, 4) or next(
+                (a for a in entry.attributes if a.constant is None and a.format.kind == "UNorm" and a.format.width == 1
+                 and a.format.count == 4), None)
+            values = self._values(entry, colour, range(mesh.first, mesh.first + mesh.count), 4) if colour else None
+        values = [(1.0,) * 4] * mesh.count if values is None else [tuple(v) + (1.0,) * (4 - len(v)) for v in values]
+        if entry.colour is not None:
+            values = [tuple(a * b for a, b in zip(v, entry.colour + (1.0,))) for v in values]
+        return [tuple(min(max(x, 0.0), 1.0) for x in v) for v in values]
+
+    def _composed(self, camera, frame):
+        """Draws of the triangles that several draws make up, with a texture of what those leave together."""
+        if not self.piles:
+            return
+        made, images, numbers = [], [], {}
+        for base, t, pile in self.piles:
+            points, rows = self._corner_places(base, t, camera)
+            corners = base.mesh.corners[3 * t:3 * t + 3]
+            start = points.index(min(points))
+            turn = [start, (start + 1) % 3, (start + 2) % 3]
+            if self._is_turned(base, rows):
+                turn = [turn[0], turn[2], turn[1]]
+            held = []
+            for entry, u, order in pile:
+                image = self._image(entry)
+                number = numbers.setdefault(id(image), len(images))
+                if number == len(images):
+                    images.append(image)
+                uvs, tints = self._corner_uvs(entry, u), self._corner_colours(entry, u)
+                held.append((number, [uvs[order[i]] for i in turn], [tints[order[i]] for i in turn],
+                             entry.state.blend if entry.state.blends else None))
+            clips = [base.mesh.clip(corners[i]) for i in turn]
+            made.append(((points[turn[0]], points[turn[1]], points[turn[2]]), rows, base,
+                         bake.Cell(clips, bake.is_in_view(clips), held)))
+        # In the order of where they lie, so that an application's way of splitting its draws does not show.
+        made.sort(key=lambda item: item[0])
+        width, height, texels, uvs = bake.bake([item[3] for item in made], images, self.viewport[2:4],
+                                               self.typical.target_is_srgb)
+        texture = self.builder.texture(spcap.Texture(
+            name="composed layers", width=width, height=height, bytes=texels, srgb=True,
+            sampler=spcap.Sampler(wrap_u=1, wrap_v=1)))
+        groups = []  # [rows, two-sided, numbers]
+        for number, (_, rows, base, _) in enumerate(made):
+            two_sided = base.state.cull == "None"
+            for group in groups:
+                if group[1] == two_sided and cameras.are_near(group[0], rows):
+                    break
+            else:
+                group = [rows, two_sided, []]
+                groups.append(group)
+            group[2].append(number)
+        for place, (rows, two_sided, members) in enumerate(groups):
+            count = 3 * len(members)
+            draw = Draw(name="composed layers {}".format(place), vertex_count=count, index_count=count,
+                        transform=column_major(rows))
+            draw.material = self.builder.material(name="composed layers", base_colour_texture=texture,
+                                                  two_sided=two_sided)
+            draw.position = self._numbers([p for n in members for p in made[n][0]], 3)
+            draw.uv = self._numbers([tuple(uv) for n in members for uv in uvs[n].tolist()], 2)
+            frame.draws.append(draw)
+        for entry in sorted(set(e for _, _, pile in self.piles for e, _, _ in pile), key=lambda e: e.number):
+            self.notices.draw("approximated: {} triangles that several draws blended at equal depth make up have one "
+                              "texture of {}x{} texels, composed without light and about as fine as the pixels".format(
+                                  len(made), width, height), entry.name)
+
+    def _corner_places(self, entry, t, camera):
+        """(positions of a triangle's corners, rows of the map that takes them to the world)."""
+        if entry.placement is None:
+            maps = self._placements(entry, camera)
+            entry.placement = (maps[0], entry.position) if maps else (((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0),
+                                                                       (0.0, 0.0, 1.0, 0.0)), None)
+        rows, position = entry.placement
+        corners = entry.mesh.corners[3 * t:3 * t + 3]
+        if position is None:
+            return [camera.world(entry.mesh.clip(v)) for v in corners], rows
+        return self._values(entry, position, corners, 3), rows
+
+    @staticmethod
+    def _is_turned(entry, rows):
+        """Whether corners have to be turned round so that the visible side is counter-clockwise on the image, clockwise
+        where the placement mirrors (glTF)."""
+        mirrors = rows is not None and determinant(rows) < 0
+        return entry.state.cull != "None" and ((entry.state.cull == "Back") != entry.state.front_ccw) != mirrors
 
     # --- records
 
@@ -509,16 +629,12 @@ class FrameExport:
         return frame
 
     def _draw(self, entry, camera, frame, seen):
-        mesh, state = entry.mesh, entry.state
+        mesh = entry.mesh
         corners = mesh.corners
-        if entry.kept is not None:
+        if len(entry.kept) < entry.triangles():
             corners = [v for t in sorted(entry.kept) for v in corners[3 * t:3 * t + 3]]
-            if not corners:
-                return
         place = self._placements(entry, camera)
-        # The visible side is counter-clockwise on the image, clockwise where the placement mirrors (glTF).
-        mirrors = place is not None and determinant(place[0]) < 0
-        if state.cull != "None" and ((state.cull == "Back") != state.front_ccw) != mirrors:
+        if self._is_turned(entry, place[0] if place else None):
             corners = [v for t in range(0, len(corners), 3) for v in (corners[t], corners[t + 2], corners[t + 1])]
         draw = Draw(material=self._material(entry))
         resources = sorted(set(str(a.resource).split(":")[-1] for a in entry.attributes if a.constant is None))
@@ -595,20 +711,7 @@ class FrameExport:
         return values
 
     def _uv_and_colour(self, draw, entry, copies):
-        mesh = entry.mesh
-        attribute = geometry.pick(entry.attributes, geometry.UV, 2, 4)
-        if attribute is None:
-            attribute = next((a for a in entry.attributes if a.constant is None and not a.per_instance
-                              and a.format.count == 2 and a is not entry.position), None)
-        output = next((o for o in entry.outputs if o[2] > 0 and o[1] >= 2 and re.search(geometry.UV, o[0], re.I)), None)
-        if attribute is not None and output is not None:
-            sampled = geometry.samples_of(mesh, 32)
-            ins = self._values(entry, attribute, sampled, 2)
-            data, stride = mesh.outputs
-            outs = [struct.unpack_from("<2f", data, mesh.post[v] * stride + output[2]) for v in sampled]
-            if ins is not None and all(abs(a - b) <= 1e-5 * max(1.0, abs(b)) for p, q in zip(ins, outs)
-                                       for a, b in zip(p, q)):
-                output = None
+        output, attribute = self._uv_source(entry)
         if output is not None:
             draw.uv = self._numbers([v for copy in copies for v in self._output_values(copy, output[2], 2)], 2)
         elif attribute is not None:
@@ -616,13 +719,48 @@ class FrameExport:
         if entry.role != "layer":
             draw.colour = self._colours(entry, copies)
 
+    def _uv_source(self, entry):
+        """(vertex shader's output, attribute): one of them, where the base colour's uvs are, or neither."""
+        mesh = entry.mesh
+        attribute = geometry.pick(entry.attributes, geometry.UV, 2, 4)
+        if attribute is None:
+            attribute = next((a for a in entry.attributes if a.constant is None and not a.per_instance
+                              and a.format.count == 2 and a is not entry.position), None)
+        found = [o for o in entry.outputs if o[2] > 0 and o[1] >= 2]
+        named = [o for o in found if entry.uv_name and o[0].split(".")[-1] == entry.uv_name]
+        named += [o for o in found if re.search(geometry.UV, o[0], re.I) and not re.search(textures.NEVER, o[0], re.I)]
+        if named and attribute is not None:
+            sampled = geometry.samples_of(mesh, 32)
+            ins = self._values(entry, attribute, sampled, 2)
+            data, stride = mesh.outputs
+            outs = [struct.unpack_from("<2f", data, mesh.post[v] * stride + named[0][2]) for v in sampled]
+            if ins is not None and all(abs(a - b) <= 1e-5 * max(1.0, abs(b)) for p, q in zip(ins, outs)
+                                       for a, b in zip(p, q)):
+                return None, attribute
+        return (named[0], None) if named else (None, attribute)
+
+    def _corner_uvs(self, entry, t):
+        """Where a triangle's corners read the base colour."""
+        if entry.uvs is None:
+            mesh = entry.mesh
+            output, attribute = self._uv_source(entry)
+            entry.uvs = [(0.0, 0.0)] * mesh.count
+            if output is not None:
+                entry.uvs = self._output_values(mesh, output[2], 2)
+            elif attribute is not None:
+                entry.uvs = self._values(entry, attribute, range(mesh.first, mesh.first + mesh.count), 2) or entry.uvs
+        return [entry.uvs[v - entry.mesh.first] for v in entry.mesh.corners[3 * t:3 * t + 3]]
+
+    @staticmethod
+    def _colour_output(entry):
+        return next((o for o in entry.outputs if o[2] > 0 and o[1] >= 3 and re.search(geometry.COLOUR, o[0], re.I)), None)
+
     def _colours(self, entry, copies):
         """Vertex colours that the vertex shader hands on as such, as it hands them on; those that it keeps are data of
         its own, such as how much the wind bends a plant."""
         mesh = entry.mesh
         colour = geometry.pick(entry.attributes, geometry.COLOUR, 3, 4)
-        output = next((o for o in entry.outputs if o[2] > 0 and o[1] >= 3 and re.search(geometry.COLOUR, o[0], re.I)),
-                      None)
+        output = self._colour_output(entry)
         if colour is None or output is None:
             return VertexStream()
         _, count, offset = output
@@ -672,7 +810,7 @@ class FrameExport:
         if "metallic_roughness" in entry.textures:
             values["metallic"] = values["roughness"] = 1.0
         base, alpha = entry.textures.get("base_colour", (spcap.NONE, False))
-        if entry.role == "layer":
+        if entry.role == "layer" and entry.state.blends:
             pass
         elif entry.discards and base != spcap.NONE:
             values["alpha_mode"] = spcap.AlphaMode.TEST
@@ -706,6 +844,7 @@ def _export(replays, options):
                 sum(d.index_count // 3 * d.instance_count for d in builder.capture.frames[-1].draws)))
         finally:
             replay.close()
+    builder.drop_unused_textures()
     metadata.notices = [n[:60000] for n in metadata.notices[:4000]]
     return builder.capture
 

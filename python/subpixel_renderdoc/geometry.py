@@ -199,7 +199,7 @@ def smooth_normals(positions, corners):
     return out
 
 
-def triangle_keys(mesh, camera):
+def triangle_keys(mesh):
     """For each triangle two keys by where its corners lie, so that the same triangle drawn again is found: a grid and
     one moved by half a cell, as a rounding error may cross a border of one."""
     cells = {}

@@ -6,6 +6,9 @@ from .errors import ExportError
 from .formats import AttributeFormat
 
 
+FACTORS = ("Zero", "One", "SrcCol", "InvSrcCol", "DstCol", "InvDstCol", "SrcAlpha", "InvSrcAlpha")  # of blending
+
+
 class DrawState:
     """How a draw was drawn, whatever API it came through."""
 
@@ -15,6 +18,8 @@ class DrawState:
         self.cull = "None"         # None, Front, Back, Both
         self.front_ccw = True      # as seen on the image
         self.blends = False        # the first target's colour is mixed with what was there
+        self.blend = None          # (factor of the source's colour, of what was there), where they are added
+        self.target_is_srgb = False
         self.writes_colour = True
         self.clip_y_up = True
         self.clip_depth_negative = False
@@ -115,7 +120,11 @@ class Replay:
             one, zero = rd.BlendMultiplier.One, rd.BlendMultiplier.Zero
             state.blends = blend.enabled and not (blend.colorBlend.source == one and
                                                   blend.colorBlend.destination == zero)
+            if state.blends and blend.colorBlend.operation == rd.BlendOperation.Add:
+                state.blend = (self._factor(blend.colorBlend.source), self._factor(blend.colorBlend.destination))
         targets = pipe.GetOutputTargets()
+        first = self.textures.get(str(targets[0].resourceId)) if targets else None
+        state.target_is_srgb = first is not None and first.format.compType == rd.CompType.UNormSRGB
         if not any(t.resourceId != self.null for t in targets):
             state.writes_colour = False
         if pipe.IsCaptureGL():
@@ -158,6 +167,12 @@ class Replay:
             if value == getattr(self.rd.CompareFunction, name):
                 return name
         return "AlwaysTrue"
+
+    def _factor(self, value):
+        for name in FACTORS:
+            if value == getattr(self.rd.BlendMultiplier, name):
+                return name
+        return "other"
 
     def _cull(self, value):
         kinds = self.rd.CullMode

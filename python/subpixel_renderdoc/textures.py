@@ -11,6 +11,12 @@ from subpixel_capture import Sampler, Texture, TextureEncoding
 
 from .formats import AttributeFormat
 
+try:
+    import numpy
+    from . import blocks
+except ImportError:  # qrenderdoc's own Python has none
+    pass
+
 ROLES = ("base_colour", "normal", "metallic_roughness", "emissive")
 
 # By name, first match first; slots in their order where no name tells.
@@ -160,6 +166,26 @@ def _rgba(data, components, is_bgra):
     if is_bgra and components >= 3:
         out[0::4], out[2::4] = out[2::4], out[0::4]
     return bytes(out)
+
+
+def texels(texture):
+    """An array (height, width, 4) of bytes; None where the texture's format is not decoded here. Needs numpy."""
+    if texture.encoding == TextureEncoding.IMAGE_FILE:
+        return blocks.from_dds(texture.bytes)
+    return numpy.frombuffer(texture.bytes, numpy.uint8).reshape(texture.height, texture.width, 4)
+
+
+def read_at(source, name):
+    """What a fragment shader's source or disassembly reads a texture of this name at: a variable's name, or None where
+    it is not one."""
+    held = re.search(r"(_\d+) = \*{};".format(re.escape(name)), source)
+    if held:
+        found = re.search(r"ImageSample\w*\({}, (_\d+)\b".format(held.group(1)), source)
+        found = found and re.search(r"{} = \*(?:\w+\.)*(\w+);".format(found.group(1)), source)
+    else:
+        found = re.search(r"\btexture\w*\s*\(\s*{}\s*,\s*(?:\w+\.)?(\w+)\s*(?:\.(?:xy|st)\s*)?[,)]".format(
+            re.escape(name)), source)
+    return found.group(1) if found else None
 
 
 def has_alpha(texture):

@@ -1,11 +1,15 @@
 """Which draws are a frame's main view and what of a shader counts, without RenderDoc: by actions and states made up."""
 import os
+import random
+import struct
 import sys
 import unittest
+import zlib
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
 
-from subpixel_renderdoc import camera, export, geometry, glsl, record  # noqa: E402
+import subpixel_capture as spcap  # noqa: E402
+from subpixel_renderdoc import camera, export, geometry, glsl, record, textures  # noqa: E402
 from subpixel_renderdoc.builder import Builder  # noqa: E402
 from subpixel_renderdoc.replay import DrawState  # noqa: E402
 
@@ -95,7 +99,195 @@ class Scene(unittest.TestCase):
         self.assertEqual([(p.a, w) for p, w in held], [(1, 2.0), (2, 1.5)])
 
 
+def image(*texels):
+    """A texture of one row, clamped."""
+    return spcap.Texture(width=len(texels), height=1, bytes=bytes(v for texel in texels for v in texel), srgb=True,
+                         sampler=spcap.Sampler(wrap_u=1, wrap_v=1))
+
+
+@unittest.skipIf(export.numpy is None, "no numpy")
+class Layers(unittest.TestCase):
+    """One triangle that fills most of a view of 64x64 pixels, drawn several times."""
+
+    CORNERS = ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
+
+    def setUp(self):
+        self.work = export.FrameExport(Made(rd=None, null="none"), Builder(), export.Options())
+        self.work.viewport, self.work.typical = (0, 0, 64, 64, 0, 1), DrawState()
+        self.entries = []
+
+    def draw(self, role, texture=None, colours=((1.0,) * 4,) * 3, blend=None, turn=0):
+        number = len(self.entries)
+        entry = export.Entry(number, Made(eventId=number), DrawState(), "event {}".format(number))
+        entry.role, entry.attributes, entry.outputs = role, [], [("p", 4, 0), ("colour", 4, 16), ("uv", 2, 32)]
+        entry.state.blends, entry.state.blend = blend is not None, blend
+        entry.mesh = geometry.Mesh()
+        entry.mesh.count, entry.mesh.post = 3, {0: 0, 1: 1, 2: 2}
+        entry.mesh.corners = [turn, (turn + 1) % 3, (turn + 2) % 3]
+        entry.mesh.outputs = b"".join(struct.pack("<10f", x, y, 0.5, 1.0, *colour, (x + 1) / 2, (y + 1) / 2)
+                                      for (x, y), colour in zip(self.CORNERS, colours)), 40
+        if texture is not None:
+            self.work.builder.capture.textures.append(texture)
+            entry.textures["base_colour"] = (len(self.work.builder.capture.textures) - 1, None)
+        self.entries.append(entry)
+        return entry
+
+    def composed(self):
+        """(entries that are drawn as they are, a function from a place in the triangle to its colour)."""
+        frame = spcap.Frame()
+        left = self.work._layers(self.entries)
+        view = camera.Camera(camera.Projection(1, 1, 0, 0, 1, -0.5), ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0)))
+        self.work._composed(view, frame)
+        if not frame.draws:
+            return left, None
+        made, capture = frame.draws[0], self.work.builder.capture
+        texture = capture.textures[capture.materials[made.material].base_colour_texture]
+        places = [tuple(map(float, p)) for p in spcap.stream_values(capture, made.position, 3)]
+        uvs = [tuple(map(float, p)) for p in spcap.stream_values(capture, made.uv, 3)]
+
+        def colour(x, y):
+            at = {self.CORNERS[0]: 1 - x - y, self.CORNERS[1]: x, self.CORNERS[2]: y}
+            weights = [at[place[:2]] for place in places]
+            u, v = (sum(w * uv[i] for w, uv in zip(weights, uvs)) for i in (0, 1))
+            begin = 4 * (int(v * texture.height) * texture.width + int(u * texture.width))
+            return tuple(texture.bytes[begin:begin + 3])
+        return left, colour
+
+    def expect(self, colour, place, wanted):
+        for got, want in zip(colour(*place), wanted):
+            self.assertLessEqual(abs(got - want), 5, (place, colour(*place), wanted))
+
+    def test_what_blended_layers_leave_together_is_composed(self):
+        left_red = [(1, 1, 1, a) for a in (1.0, 0.0, 1.0)]
+        self.draw("prepass")
+        self.draw("layer", image((200, 0, 0, 255)), left_red, ("SrcAlpha", "One"), turn=1)
+        self.draw("layer", image((0, 0, 200, 255)), [(1, 1, 1, 1 - c[3]) for c in left_red], ("SrcAlpha", "One"), turn=2)
+        # A decal: opaque where u is above one half.
+        self.draw("layer", image(*[(0, 240, 0, 0)] * 8, *[(0, 240, 0, 255)] * 8), blend=("SrcAlpha", "InvSrcAlpha"))
+        left, colour = self.composed()
+        self.assertEqual(left, [])
+        for x, y in ((0.1, 0.1), (0.4, 0.2), (0.2, 0.6), (0.4, 0.55)):
+            self.expect(colour, (x, y), (200 * (1 - x), 0, 200 * x))
+        for x, y in ((0.6, 0.1), (0.8, 0.1), (0.6, 0.3)):
+            self.expect(colour, (x, y), (0, 240, 0))
+
+    def test_a_decal_is_composed_over_a_surface_and_light_is_not(self):
+        self.draw("surface", image((100, 80, 60, 255)))
+        self.draw("layer", image((250, 250, 250, 255)), blend=("One", "One"))
+        left, colour = self.composed()
+        self.assertEqual((left, colour), (self.entries[:1], None))
+        self.draw("layer", image((0, 0, 200, 128)), blend=("SrcAlpha", "InvSrcAlpha"))
+        left, colour = self.composed()
+        self.assertEqual(left, [])
+        self.expect(colour, (0.3, 0.3), (50, 40, 130))
+
+    def test_one_opaque_draw_over_depth_alone_stays_itself_and_the_same_again_is_light(self):
+        self.draw("prepass")
+        self.draw("layer", image((9, 9, 9, 255)))
+        again = self.draw("layer", blend=("One", "One"))
+        again.textures = self.entries[1].textures
+        left, colour = self.composed()
+        self.assertEqual((left, colour), (self.entries[1:2], None))
+
+    def test_alpha_tests_of_the_depth_pass_cut_the_colour(self):
+        bed = self.draw("prepass")
+        bed.discards, bed.cutoff = True, 0.3
+        colour = self.draw("layer", image((9, 9, 9, 100)))
+        self.assertEqual(self.composed(), ([colour], None))
+        self.assertEqual((colour.discards, colour.cutoff), (True, 0.3))
+
+    def test_without_numpy_the_strongest_layer_shows(self):
+        self.draw("prepass")
+        for weight in (0.3, 0.6, 0.1):
+            self.draw("layer", image((int(200 * weight),) * 3 + (255,)), [(1, 1, 1, weight)] * 3, ("SrcAlpha", "One"))
+        held, export.numpy = export.numpy, None
+        try:
+            self.assertEqual(self.composed(), (self.entries[2:3], None))
+        finally:
+            export.numpy = held
+
+    def test_textures_that_nothing_shows_are_dropped(self):
+        builder = Builder()
+        for value in range(3):
+            builder.texture(image((value,) * 4))
+        builder.material(base_colour_texture=2, emissive_texture=0)
+        builder.drop_unused_textures()
+        self.assertEqual([t.bytes[0] for t in builder.capture.textures], [0, 2])
+        material = builder.capture.materials[0]
+        self.assertEqual((material.base_colour_texture, material.emissive_texture), (1, 0))
+
+    def test_texels_of_blocks(self):
+        random.seed(7)
+        for name, code, size in (("BC1", b"DXT1", 8), ("BC2", b"DXT3", 16), ("BC3", b"DXT5", 16), ("BC4", b"ATI1", 8),
+                                 ("BC5", b"ATI2", 16)):
+            data = bytes(random.randrange(256) for _ in range(256 * size))
+            texture = spcap.Texture(encoding=spcap.TextureEncoding.IMAGE_FILE,
+                                    bytes=textures._dds(64, 64, (size, code, 0), False, data))
+            texels = textures.texels(texture)
+            for block in range(256):
+                held = data[size * block:size * (block + 1)]
+                for i in range(16):
+                    got = texels[block // 16 * 4 + i // 4, block % 16 * 4 + i % 4]
+                    self.assertEqual(tuple(got), block_texel(name, held, i), (name, block, i))
+
+    def test_texels_of_bptc_are_those_of_another_decoder(self):
+        random.seed(8)
+        data = bytearray(random.randrange(256) for _ in range(256 * 16))
+        for block in range(256):  # of all modes alike
+            data[16 * block] = data[16 * block] & ~((2 << block % 8) - 1) & 255 | 1 << block % 8
+        texture = spcap.Texture(encoding=spcap.TextureEncoding.IMAGE_FILE,
+                                bytes=textures._dds(64, 64, (16, b"DX10", 98), False, data))
+        # CRC-32 of what OpenImageIO 2.4 reads from the same file.
+        self.assertEqual(zlib.crc32(textures.texels(texture).tobytes()), BPTC_CRC)
+
+
+def block_texel(name, held, i):
+    """One texel by the specification's formulas, in whole numbers."""
+    def rounded(value, divisor):
+        return int(value / divisor + 0.5)
+
+    def channel(part):
+        a, b = part[0], part[1]
+        code = int.from_bytes(part[2:8], "little") >> 3 * i & 7
+        if code < 2:
+            return (a, b)[code]
+        if a > b:
+            return rounded((8 - code) * a + (code - 1) * b, 7)
+        return (0, 255)[code - 6] if code > 5 else rounded((6 - code) * a + (code - 1) * b, 5)
+
+    if name == "BC4":
+        return (channel(held),) * 3 + (255,)
+    if name == "BC5":
+        return (channel(held), channel(held[8:]), 0, 255)
+    first, second, codes = struct.unpack("<HHI", held[-8:])
+    code = codes >> 2 * i & 3
+    ends = [(word >> 11, word >> 5 & 63, word & 31) for word in (first, second)]
+    three = name == "BC1" and first <= second
+    weights, parts = [((1, 0), 1), ((0, 1), 1), ((1, 1), 2) if three else ((2, 1), 3), ((0, 0), 1) if three else
+                      ((1, 2), 3)][code]
+    colour = tuple(rounded(255 * (weights[0] * a + weights[1] * b), parts * most)
+                   for a, b, most in zip(ends[0], ends[1], (31, 63, 31)))
+    if name == "BC2":
+        return colour + ((held[i // 2] >> 4 * (i % 2) & 15) * 17,)
+    if name == "BC3":
+        return colour + (channel(held),)
+    return colour + (0 if three and code == 3 else 255,)
+
+
+BPTC_CRC = 0xb13182a0
+
+
 class Shaders(unittest.TestCase):
+    def test_which_uv_a_texture_is_read_at(self):
+        source = "vec4 a = texture2D(lightmap, uv2, 0.0) * texture(tex , input.uv1.xy, -0.5);"
+        self.assertEqual(textures.read_at(source, "tex"), "uv1")
+        self.assertEqual(textures.read_at(source, "lightmap"), "uv2")
+        self.assertIsNone(textures.read_at("texture(tex, uv1 * 2.0)", "tex"))
+        source = "  SampledImage<float2D> _17 = *tex;\n  float2 _21 = *uv1;\n  SampledImage<float2D> _26 = *mask;\n" \
+                 "  float4 _23 = ImageSampleImplicitLod(_17, _21, Bias(0.0));\n"
+        self.assertEqual(textures.read_at(source, "tex"), "uv1")
+        self.assertIsNone(textures.read_at(source, "mask"))
+
     def test_lines_that_conditions_leave_out_do_not_count(self):
         for source, left in (("#define A\n#ifdef A\nx\n#else\ny\n#endif", "x"), ("#ifndef A\nx\n#else\ny\n#endif", "x"),
                              ("#if defined(B) || !(2 > 1)\nx\n#elif 0x10 == 16\ny\n#else\nz\n#endif", "y"),

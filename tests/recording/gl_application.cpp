@@ -93,6 +93,15 @@ Target make_target(GLsizei width, GLsizei height, bool with_colour) {
   return out;
 }
 
+GLuint make_texture(const std::vector<std::uint8_t>& texels) {
+  GLuint out = 0;
+  glCreateTextures(GL_TEXTURE_2D, 1, &out);
+  glTextureStorage2D(out, 1, GL_SRGB8_ALPHA8, scene::kTextureSide, scene::kTextureSide);
+  glTextureSubImage2D(out, 0, 0, 0, scene::kTextureSide, scene::kTextureSide, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+  glTextureParameteri(out, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  return out;
+}
+
 struct Buffers {
   GLuint vertices = 0, indices = 0, instances = 0, camera = 0, object = 0;
 };
@@ -130,11 +139,12 @@ void draw(const scene::Part& part, const Buffers& buffers) {
   struct {
     scene::Matrix model;
     float settings[4];
-  } const object{part.model, {part.discards ? 0.5f : 0, part.blends ? 0.4f : 1, part.skinned ? 1.0f : 0, 0}};
+  } const object{part.model, {part.discards ? 0.5f : 0, scene::opacity(part), part.skinned ? 1.0f : 0, 0}};
   fill(buffers.object, &object, 1);
   part.two_sided ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
   part.blends ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
   glDepthMask(part.blends ? GL_FALSE : GL_TRUE);
+  glDepthFunc(part.blends ? GL_LEQUAL : GL_LESS);
   const GLenum kinds[] = {GL_TRIANGLES, GL_TRIANGLE_STRIP, GL_TRIANGLE_FAN};
   const GLenum kind = kinds[static_cast<int>(part.topology)];
   const auto count = static_cast<GLsizei>(part.count), instances = static_cast<GLsizei>(part.instances);
@@ -156,12 +166,7 @@ int main(int argc, char** argv) {
   const GLuint screen_program = compile(kScreenVertex, kScreenFragment);
   const Target shadow = make_target(1024, 1024, false), target = make_target(scene::kWidth, scene::kHeight, true);
   const Buffers buffers = make_buffers();
-  GLuint texture = 0;
-  glCreateTextures(GL_TEXTURE_2D, 1, &texture);
-  glTextureStorage2D(texture, 1, GL_SRGB8_ALPHA8, scene::kTextureSide, scene::kTextureSide);
-  glTextureSubImage2D(texture, 0, 0, 0, scene::kTextureSide, scene::kTextureSide, GL_RGBA, GL_UNSIGNED_BYTE,
-                      scene::make_texture().data());
-  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  const GLuint texture = make_texture(scene::make_texture()), decal = make_texture(scene::make_decal_texture());
   glTextureParameteri(target.colour, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glEnable(GL_PRIMITIVE_RESTART_FIXED_INDEX);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
@@ -187,7 +192,10 @@ int main(int argc, char** argv) {
     glViewport(0, 0, scene::kWidth, scene::kHeight);
     glClearColor(0.5f, 0.6f, 0.8f, 1);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    for (const scene::Part& part : made.parts) draw(part, buffers);
+    for (const scene::Part& part : made.parts) {
+      glBindTextureUnit(2, part.decal ? decal : texture);
+      draw(part, buffers);
+    }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);

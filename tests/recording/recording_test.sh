@@ -49,6 +49,29 @@ if [ -e "$folder/gl_application.json" ] && [ -e "$folder/vulkan_application.json
     a=$(value $key <"$folder/gl_application.json") b=$(value $key <"$folder/vulkan_application.json")
     [ "$a" = "$b" ] || failed "$key: OpenGL $a, Vulkan $b"
   done
+  # Four triangles of the ground are composed with the decal over them: blue on the right of each 32 texels.
+  if "$python" -c 'import numpy' 2>/dev/null; then
+    "$python" - "$folder/gl_application.spcap" "$folder/vulkan_application.spcap" <<'PY' || failed "the decal is wrong"
+import sys
+import subpixel_capture as spcap
+
+def composed(path):
+    capture = spcap.read(path)
+    draws = [d for d in capture.frames[0].draws if d.name.startswith("composed layers")]
+    assert [d.index_count for d in draws] == [12], [(d.name, d.index_count) for d in draws]
+    texture = capture.textures[capture.materials[draws[0].material].base_colour_texture]
+    texels = [texture.bytes[i:i + 3] for i in range(0, len(texture.bytes), 4)]
+    blue, ground = (sum(all(abs(a - b) < 30 for a, b in zip(t, wanted)) for t in texels)
+                    for wanted in ((20, 30, 250), (90, 120, 160)))
+    print("{}: {} texels, {} blue, {} of the ground's".format(path, len(texels), blue, ground))
+    assert blue > 100 and ground > 50
+    return texture
+
+a, b = (composed(path) for path in sys.argv[1:])
+assert (a.width, a.height) == (b.width, b.height)
+assert max(abs(x - y) for x, y in zip(a.bytes, b.bytes)) <= 2
+PY
+  fi
   # Ground 288, cubes 7 x 12, tube 192, fan 16, cards 8.
   [ "$(value triangles <"$folder/gl_application.json")" = 588 ] || failed "not 588 triangles"
   notices=$("$subpixel" info "$folder/gl_application.spcap")

@@ -1,6 +1,6 @@
 // What both test applications draw, frame after frame the same but for a moving camera, bones and cubes: a ground of
 // strips with restarts, instanced cubes with a base vertex, a skinned tube without indices, a fan, alpha-tested cards,
-// and a blended pane that an exporter must leave out.
+// a decal blended over some of the ground's triangles at equal depth, and a blended pane that an exporter must leave out.
 #pragma once
 
 #include <array>
@@ -21,12 +21,16 @@ enum class Topology { list, strip, fan };
 
 struct Part {
   Topology topology = Topology::list;
-  bool indexed = true, discards = false, blends = false, skinned = false, two_sided = false;
+  bool indexed = true, discards = false, blends = false, skinned = false, two_sided = false, decal = false;
   std::uint32_t first = 0, count = 0;  // indices, or vertices where it has none
   std::int32_t base_vertex = 0;
   std::uint32_t instances = 1, first_instance = 0;
   Matrix model{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 };
+
+inline float opacity(const Part& part) {
+  return part.blends && !part.decal ? 0.4f : 1;
+}
 
 inline constexpr std::uint16_t kRestart = 0xffff;
 inline constexpr std::uint32_t kWidth = 320, kHeight = 240, kTextureSide = 64;
@@ -165,6 +169,18 @@ inline Scene make_scene(float time) {
   cards.count = 24;
   scene.parts.push_back(cards);
 
+  // The decal: two cells of the ground as the strips have them, four triangles.
+  Part decal{.blends = true, .decal = true};
+  decal.first = static_cast<std::uint32_t>(scene.indices.size());
+  for (const int x : {8, 9}) {
+    const int above = 9 * (kCells + 1) + x, below = above + kCells + 1;
+    for (const int i : {above, below, above + 1, above + 1, below, below + 1}) {
+      scene.indices.push_back(static_cast<std::uint16_t>(i));
+    }
+  }
+  decal.count = 12;
+  scene.parts.push_back(decal);
+
   Part pane{.indexed = false, .blends = true};
   pane.first = static_cast<std::uint32_t>(scene.vertices.size());
   add_quad(scene, {-1, 0.3f, 4}, {2, 0, 0}, {0, 1.5f, 0}, false);
@@ -186,6 +202,16 @@ inline std::vector<std::uint8_t> make_texture() {
       const int dx = static_cast<int>(x % 32) - 16, dy = static_cast<int>(y % 32) - 16;
       texel[3] = dx * dx + dy * dy < 80 ? 0 : 255;
     }
+  }
+  return texels;
+}
+
+// The decal's: blue, alpha 0 in the left half of each 32 texels.
+inline std::vector<std::uint8_t> make_decal_texture() {
+  std::vector<std::uint8_t> texels(4 * kTextureSide * kTextureSide);
+  for (std::uint32_t i = 0; i < kTextureSide * kTextureSide; ++i) {
+    texels[4 * i] = 20, texels[4 * i + 1] = 30, texels[4 * i + 2] = 250;
+    texels[4 * i + 3] = i % 32 < 16 ? 0 : 255;
   }
   return texels;
 }

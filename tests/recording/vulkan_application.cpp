@@ -72,8 +72,10 @@ class Application {
     transition(depth_.handle, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
                VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
     begin_rendering(target_.view, depth_.view);
-    bind(scene_set_);
-    for (const scene::Part& part : made.parts) draw(part);
+    for (const scene::Part& part : made.parts) {
+      bind(part.decal ? decal_set_ : scene_set_);
+      draw(part);
+    }
     vkCmdEndRendering(commands_);
     transition(target_.handle, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
@@ -166,22 +168,7 @@ class Application {
     camera_ = buffer(sizeof(scene::Camera), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
     target_ = image(kExtent, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
     depth_ = image(kExtent, kDepth, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
-    const VkExtent2D side{scene::kTextureSide, scene::kTextureSide};
-    const Image texture =
-        image(side, VK_FORMAT_R8G8B8A8_SRGB, VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
-    const std::vector<std::uint8_t> texels = scene::make_texture();
-    const Buffer staging = buffer(texels.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
-    std::memcpy(staging.memory, texels.data(), texels.size());
-    begin();
-    transition(texture.handle, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
-               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    VkBufferImageCopy copy{};
-    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    copy.imageExtent = {side.width, side.height, 1};
-    vkCmdCopyBufferToImage(commands_, staging.handle, texture.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
-    transition(texture.handle, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-               VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-    submit();
+    const Image texture = make_texture(scene::make_texture()), decal = make_texture(scene::make_decal_texture());
     VkDescriptorSetLayoutBinding bindings[2] = {
         {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr},
         {2, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr}};
@@ -194,10 +181,10 @@ class Application {
     pipeline_info.setLayoutCount = 1, pipeline_info.pSetLayouts = &set_layout;
     pipeline_info.pushConstantRangeCount = 1, pipeline_info.pPushConstantRanges = &range;
     check(vkCreatePipelineLayout(device_, &pipeline_info, nullptr, &layout_), "pipeline layout");
-    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 2},
-                                          {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2}};
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 3},
+                                          {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 3}};
     VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    pool_info.maxSets = 2, pool_info.poolSizeCount = 2, pool_info.pPoolSizes = sizes;
+    pool_info.maxSets = 3, pool_info.poolSizeCount = 2, pool_info.pPoolSizes = sizes;
     VkDescriptorPool pool{};
     check(vkCreateDescriptorPool(device_, &pool_info, nullptr, &pool), "descriptor pool");
     VkSamplerCreateInfo sampler_info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
@@ -220,7 +207,25 @@ class Application {
       vkUpdateDescriptorSets(device_, 2, writes, 0, nullptr);
     };
     make_set(scene_set_, texture.view);
+    make_set(decal_set_, decal.view);
     make_set(screen_set_, target_.view);
+  }
+
+  Image make_texture(const std::vector<std::uint8_t>& texels) {
+    const VkExtent2D side{scene::kTextureSide, scene::kTextureSide};
+    const Image out = image(side, VK_FORMAT_R8G8B8A8_SRGB, VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
+    const Buffer staging = buffer(texels.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
+    std::memcpy(staging.memory, texels.data(), texels.size());
+    begin();
+    transition(out.handle, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    VkBufferImageCopy copy{};
+    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    copy.imageExtent = {side.width, side.height, 1};
+    vkCmdCopyBufferToImage(commands_, staging.handle, out.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+    transition(out.handle, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+               VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    submit();
+    return out;
   }
 
   VkDeviceMemory memory(const VkMemoryRequirements& needs) {
@@ -321,7 +326,7 @@ class Application {
     samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
     VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
     depth.depthTestEnable = wanted.is_scene, depth.depthWriteEnable = wanted.is_scene && !wanted.blends;
-    depth.depthCompareOp = VK_COMPARE_OP_LESS;
+    depth.depthCompareOp = wanted.blends ? VK_COMPARE_OP_LESS_OR_EQUAL : VK_COMPARE_OP_LESS;
     VkPipelineColorBlendAttachmentState blend{};
     blend.blendEnable = wanted.blends, blend.colorWriteMask = 15;
     blend.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA,
@@ -407,7 +412,7 @@ class Application {
     const VkDeviceSize offsets[] = {0, 0};
     vkCmdBindVertexBuffers(commands_, 0, 2, buffers, offsets);
     const Constants constants{part.model,
-                              {part.discards ? 0.5f : 0, part.blends ? 0.4f : 1, part.skinned ? 1.0f : 0, 0}};
+                              {part.discards ? 0.5f : 0, scene::opacity(part), part.skinned ? 1.0f : 0, 0}};
     vkCmdPushConstants(commands_, layout_, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                        sizeof constants, &constants);
     if (part.indexed) {
@@ -430,7 +435,7 @@ class Application {
   Buffer vertices_, indices_, instances_, camera_;
   Image target_, depth_;
   VkPipelineLayout layout_{};
-  VkDescriptorSet scene_set_{}, screen_set_{};
+  VkDescriptorSet scene_set_{}, decal_set_{}, screen_set_{};
   VkPipeline opaque_{}, strip_{}, fan_{}, two_sided_{}, blended_{}, screen_{};
 };
 

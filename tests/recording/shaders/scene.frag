@@ -18,5 +18,5 @@ void main() {
   vec4 base = texture(base_colour_map, texture_uv);
   if (object.settings.x > 0 && base.a < 0.5) discard;
   float light = 0.4 + 0.6 * max(dot(normalize(world_normal), normalize(vec3(0.3, 0.9, 0.4))), 0);
-  colour = vec4(base.rgb * light, object.settings.y);
+  colour = vec4(base.rgb * light, object.settings.y * base.a);
 }
