@@ -167,8 +167,8 @@ def _whitened(capture, out, number, known):
     return known[number]
 
 
-def read_exr(path):
-    """(width, height, rows of the first channel by name R or Y) of a file of half or 32-bit floats, ZIP or no
+def read_exr(path, wanted=("R", "Y")):
+    """(width, height, rows of the channel of one of these names) of a file of half or 32-bit floats, ZIP or no
     compression, as Subpixel writes them."""
     with open(path, "rb") as file:
         data = file.read()
@@ -207,7 +207,7 @@ def read_exr(path):
             start = i * row_bytes
             for name, kind in channels:
                 size = width * (2 if kind == 1 else 4)
-                if name.split(".")[-1] in ("R", "Y"):
+                if name.split(".")[-1] in wanted:
                     rows[y - y0 + i] = struct.unpack("<%d%s" % (width, "e" if kind == 1 else "f"),
                                                      bytes(block[start:start + size]))
                 start += size

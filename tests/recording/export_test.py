@@ -2,14 +2,16 @@
 import os
 import random
 import struct
+import subprocess
 import sys
+import tempfile
 import unittest
 import zlib
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python"))
 
 import subpixel_capture as spcap  # noqa: E402
-from subpixel_renderdoc import camera, export, geometry, glsl, record, textures  # noqa: E402
+from subpixel_renderdoc import camera, depth, export, geometry, glsl, record, textures  # noqa: E402
 from subpixel_renderdoc.builder import Builder  # noqa: E402
 from subpixel_renderdoc.replay import DrawState  # noqa: E402
 
@@ -239,6 +241,34 @@ class Layers(unittest.TestCase):
                                 bytes=textures._dds(64, 64, (16, b"DX10", 98), False, data))
         # CRC-32 of what OpenImageIO 2.4 reads from the same file.
         self.assertEqual(zlib.crc32(textures.texels(texture).tobytes()), BPTC_CRC)
+
+
+@unittest.skipUnless("SUBPIXEL" in os.environ, "SUBPIXEL does not name the program")
+class Replayed(unittest.TestCase):
+    def test_normals_of_two_channels_have_a_third(self):
+        capture = spcap.Capture(metadata=spcap.Metadata(title="a normal map"))
+        block = bytes((200, 200, 0, 0, 0, 0, 0, 0, 100, 100, 0, 0, 0, 0, 0, 0))
+        capture.textures.append(spcap.Texture(encoding=spcap.TextureEncoding.IMAGE_FILE,
+                                              bytes=textures._dds(4, 4, (16, b"ATI2", 0), False, block)))
+        capture.materials.append(spcap.Material(unlit=True, two_sided=True, base_colour_texture=0))
+        capture.buffers.append(spcap.Buffer(bytes=struct.pack("<9f", -9, -9, -2, 9, -9, -2, 0, 9, -2)))
+        capture.frames.append(spcap.Frame(
+            view=spcap.IDENTITY, projection=(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.1, -1, 0, 0, -0.21, 0), width=16, height=16,
+            clip_depth=spcap.ClipDepth.ZERO_TO_ONE))
+        capture.frames[0].draws.append(spcap.Draw(
+            name="all", material=0, position=spcap.VertexStream(buffer=0, format=spcap.VertexFormat.FLOAT32X3, stride=12),
+            vertex_count=3, index_count=3))
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "normals.spcap")
+            spcap.write(capture, path)
+            subprocess.run([os.environ["SUBPIXEL"], "replay", path, "--techniques", "noaa", "--reference-samples", "0",
+                            "--repeat", "1", "--out", folder], check=True, stdout=subprocess.DEVNULL)
+            exr = [os.path.join(at, name) for at, _, names in os.walk(folder) for name in names if name.endswith(".exr")]
+            found = [depth.read_exr(exr[0], (channel,))[2][8][8] for channel in "RGB"]
+        x, y = 200 / 255, 100 / 255
+        wanted = (x, y, 0.5 + 0.5 * (1 - (2 * x - 1) ** 2 - (2 * y - 1) ** 2) ** 0.5)
+        for a, b in zip(found, wanted):
+            self.assertAlmostEqual(a, b, delta=0.01, msg="{} {}".format(found, wanted))
 
 
 def block_texel(name, held, i):

@@ -7,7 +7,7 @@ subpixel=$1; shift
 root=$(cd "$(dirname "$0")/../.." && pwd)
 python=${SUBPIXEL_PYTHON:-/usr/bin/python3}
 skip() { echo "skipped: $*"; exit 77; }
-"$python" -B "$root/tests/recording/export_test.py"  # needs nothing of what may be missing
+SUBPIXEL=$subpixel "$python" -B "$root/tests/recording/export_test.py"  # needs nothing of what may be missing
 "$python" -c 'import renderdoc' 2>/dev/null || skip "$python has no module renderdoc (Debian: python3-renderdoc)"
 command -v xvfb-run >/dev/null || skip "no xvfb-run (Debian: xvfb, xauth)"
 [ $# -gt 0 ] || skip "the applications are not built (Debian: libgl-dev, libx11-dev, libvulkan-dev)"
