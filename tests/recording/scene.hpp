@@ -1,6 +1,7 @@
 // What both test applications draw, frame after frame the same but for a moving camera, bones and cubes: a ground of
 // strips with restarts, instanced cubes with a base vertex, a skinned tube without indices, a fan, alpha-tested cards,
-// a decal blended over some of the ground's triangles at equal depth, and a blended pane that an exporter must leave out.
+// a decal blended over some of the ground's triangles at equal depth, and a blended pane that an exporter must leave
+// out.
 #pragma once
 
 #include <array>

@@ -213,7 +213,8 @@ class Application {
 
   Image make_texture(const std::vector<std::uint8_t>& texels) {
     const VkExtent2D side{scene::kTextureSide, scene::kTextureSide};
-    const Image out = image(side, VK_FORMAT_R8G8B8A8_SRGB, VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
+    const Image out =
+        image(side, VK_FORMAT_R8G8B8A8_SRGB, VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
     const Buffer staging = buffer(texels.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
     std::memcpy(staging.memory, texels.data(), texels.size());
     begin();
@@ -411,8 +412,7 @@ class Application {
     const VkBuffer buffers[] = {vertices_.handle, instances_.handle};
     const VkDeviceSize offsets[] = {0, 0};
     vkCmdBindVertexBuffers(commands_, 0, 2, buffers, offsets);
-    const Constants constants{part.model,
-                              {part.discards ? 0.5f : 0, scene::opacity(part), part.skinned ? 1.0f : 0, 0}};
+    const Constants constants{part.model, {part.discards ? 0.5f : 0, scene::opacity(part), part.skinned ? 1.0f : 0, 0}};
     vkCmdPushConstants(commands_, layout_, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                        sizeof constants, &constants);
     if (part.indexed) {
