@@ -143,6 +143,7 @@ function gatesTable(gates) {
 }
 
 const figures = [
+  ['published bytes per pixel', (r) => significant(r.memory.paper_bytes_per_pixel, 5)],
   ['fitted bytes per pixel', (r) => significant(r.memory.fitted_bytes_per_pixel, 5)],
   ['allocated', (r) => bytes(r.memory.allocated_bytes)],
   ['lighting executions', (r) => count(r.shading.executions)],

@@ -40,8 +40,8 @@ export function summarise(results) {
 const columns = [
   {title: 'Technique', head: true},
   {title: 'Paper', unit: 'B/px', group: 'Memory', hint: "the publication's own format"},
-  {title: 'Fitted', unit: 'B/px', group: 'Memory', hint: 'only what this scene needs'},
-  {title: 'Allocated', unit: '', group: 'Memory', hint: "what the technique's own buffers took on the device"},
+  {title: 'Fitted', unit: 'B/px', group: 'Memory', hint: 'what our passes keep over the frame, lists and triangle numbers included'},
+  {title: 'Allocated', unit: '', group: 'Memory', hint: 'the same with the images that come out and the maps'},
   {title: 'Executions', unit: 'per frame', group: 'Lighting', hint: 'lighting executions'},
   {title: 'Mean', unit: 'per pixel', group: 'Lighting'},
   {title: 'Frame', unit: 'ms', group: 'Time', hint: 'sum of the warm pass medians, and the spread of the repeats'},

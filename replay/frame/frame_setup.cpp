@@ -12,12 +12,4 @@ std::optional<FragmentLists> record_measured_lists(gpu::PassRecorder& recorder, 
   return record_fragment_lists(recorder, setup, *setup.lists, name);
 }
 
-double fitted_surface_bits(SceneFeatures features) {
-  double bits = 24 + 32;  // albedo, normal
-  if (features.has(FEATURE_METAL)) bits += 8;
-  if (features.has(FEATURE_VARYING_ROUGHNESS)) bits += 8;
-  if (features.has(FEATURE_EMISSIVE)) bits += 32;
-  return bits;
-}
-
 }  // namespace subpixel::replay

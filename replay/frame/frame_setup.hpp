@@ -53,7 +53,4 @@ gpu::Constants common_constants(const FrameSetup& setup);
 std::optional<FragmentLists> record_measured_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name);
 
-// Bits a surface of this scene takes in a G-buffer that holds only what the scene needs, without depth.
-double fitted_surface_bits(SceneFeatures features);
-
 }  // namespace subpixel::replay

@@ -82,13 +82,13 @@ Timing RecordedFrame::time(std::uint32_t repeat) {
 
 Memory RecordedFrame::memory() const {
   Memory memory;
-  const MemoryLayout layout = setting_.technique->layout(setup_);
   const double pixels = static_cast<double>(scene_.width()) * scene_.height();
-  for (const auto& entry : layout.paper) memory.paper_bytes_per_pixel += entry.bits_per_pixel / 8;
-  for (const auto& entry : layout.fitted) memory.fitted_bytes_per_pixel += entry.bits_per_pixel / 8;
+  for (const auto& entry : setting_.technique->layout(setup_)) memory.paper_bytes_per_pixel += entry.bits_per_pixel / 8;
   memory.paper_bytes = static_cast<std::uint64_t>(memory.paper_bytes_per_pixel * pixels);
-  memory.fitted_bytes = static_cast<std::uint64_t>(memory.fitted_bytes_per_pixel * pixels);
   memory.allocated_bytes = recorder_.allocated_bytes();
+  memory.fitted_bytes = memory.allocated_bytes - outputs_.radiance->bytes() - outputs_.display->bytes();
+  for (const auto& [name, map] : outputs_.maps) memory.fitted_bytes -= map->bytes();
+  memory.fitted_bytes_per_pixel = static_cast<double>(memory.fitted_bytes) / pixels;
   return memory;
 }
 

@@ -17,10 +17,8 @@ struct LayoutEntry {
   double bits_per_pixel = 0;
 };
 
-struct MemoryLayout {
-  std::vector<LayoutEntry> paper;   // the publication's format
-  std::vector<LayoutEntry> fitted;  // only what this scene needs
-};
+// The publication's format. What our own passes keep is measured (Memory).
+using MemoryLayout = std::vector<LayoutEntry>;
 
 // One map a technique can produce, with what its values mean.
 struct MapDescription {

@@ -32,9 +32,9 @@ struct Advice {
   std::optional<Summary> closest;  // when none is within: the one with the smallest excess
 };
 
-// Memory is the fitted layout's bytes, time the sum of the pass medians, `both` the product of the two. `reference` is
-// never advised. Throws UsageError when the budget is empty or negative, InputError when the results don't hold the
-// metric it is about.
+// Memory is what the passes keep (Memory::fitted_bytes), time the sum of the pass medians, `both` the product of the
+// two. `reference` is never advised. Throws UsageError when the budget is empty or negative, InputError when the
+// results don't hold the metric it is about.
 Advice advise(const Results& results, const ErrorBudget& budget);
 
 nlohmann::json to_json(const Advice& advice);

@@ -53,8 +53,9 @@ struct Row {
   std::vector<std::string> numbers;
 };
 
-const std::vector<std::string> kColumns = {"samples",    "ms",          "spread ms", "ratio to msaa", "ratio to noaa",
-                                           "B/px paper", "B/px fitted", "MSE",       "FLIP"};
+const std::vector<std::string> kColumns = {"samples",       "ms",         "spread ms",   "ratio to msaa",
+                                           "ratio to noaa", "B/px paper", "B/px fitted", "MB allocated",
+                                           "MSE",           "FLIP"};
 struct FrontColumn {
   std::string_view name;
   PlotCost cost;
@@ -78,12 +79,12 @@ std::vector<Row> rows_of(const std::vector<Summary>& summaries) {
   std::vector<Row> rows;
   rows.reserve(summaries.size());
   for (const Summary& summary : summaries) {
-    rows.push_back(
-        {setting_label(summary, summaries),
-         {std::to_string(summary.samples), number(summary.total_ms, "{:.3f}"), number(summary.spread_ms, "{:.3f}"),
-          number(ratio(summary, msaa), "{:.3f}"), number(ratio(summary, noaa), "{:.3f}"),
-          number(summary.paper_bytes_per_pixel, "{:.2f}"), number(summary.fitted_bytes_per_pixel, "{:.2f}"),
-          number(summary.error.mse, "{:.4e}"), number(summary.error.flip_mean, "{:.5f}")}});
+    rows.push_back({setting_label(summary, summaries),
+                    {std::to_string(summary.samples), number(summary.total_ms, "{:.3f}"),
+                     number(summary.spread_ms, "{:.3f}"), number(ratio(summary, msaa), "{:.3f}"),
+                     number(ratio(summary, noaa), "{:.3f}"), number(summary.paper_bytes_per_pixel, "{:.2f}"),
+                     number(summary.fitted_bytes_per_pixel, "{:.2f}"), number(summary.allocated_bytes / 1e6, "{:.3f}"),
+                     number(summary.error.mse, "{:.4e}"), number(summary.error.flip_mean, "{:.5f}")}});
   }
   for (const FrontColumn& front : kFronts) {
     const Plot plot = make_plot(summaries, front.cost, front.error);
@@ -120,7 +121,7 @@ std::string setting_label(const Summary& summary, const std::vector<Summary>& su
 
 Plot make_plot(const std::vector<Summary>& summaries, PlotCost cost, PlotError error) {
   Plot plot;
-  const char* const costs[] = {"ms per frame", "time, as ratio to msaa", "bytes per pixel, fitted layout"};
+  const char* const costs[] = {"ms per frame", "time, as ratio to msaa", "bytes per pixel that the passes keep"};
   const char* const titles[] = {"Speed", "Speed", "Memory"};
   plot.x_title = costs[static_cast<std::size_t>(cost)];
   plot.y_title = error == PlotError::mse ? "MSE" : "FLIP, mean";

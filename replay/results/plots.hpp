@@ -11,7 +11,7 @@
 namespace subpixel::replay {
 
 // time: ms of a frame. ratio: the same over that of msaa 8x, the only one that travels between machines. memory: bytes
-// per pixel of the fitted layout.
+// per pixel that the passes keep.
 enum class PlotCost { time, ratio, memory };
 enum class PlotError { mse, flip };
 inline constexpr std::string_view kPlotCosts[] = {"time", "ratio", "memory"};

@@ -27,10 +27,15 @@ struct Timing {
 };
 
 struct Memory {
-  double paper_bytes_per_pixel = 0;   // the publication's format
-  double fitted_bytes_per_pixel = 0;  // only what this scene needs
-  std::uint64_t paper_bytes = 0, fitted_bytes = 0;
-  std::uint64_t allocated_bytes = 0;  // what the technique's own buffers and images took on the device
+  // The publication's format.
+  double paper_bytes_per_pixel = 0;
+  std::uint64_t paper_bytes = 0;
+  // What this implementation's passes keep over the frame, measured: in formats fitted to what the scene needs, with
+  // triangle numbers, lists of fragments and sums; without the scene, its triangle records, the images that come out
+  // and the maps. The ordered and the list form of one technique differ in it, as in their times.
+  double fitted_bytes_per_pixel = 0;
+  std::uint64_t fitted_bytes = 0;
+  std::uint64_t allocated_bytes = 0;  // the same with the images that come out and the maps
 };
 
 struct Shading {

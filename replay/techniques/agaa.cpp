@@ -51,28 +51,14 @@ std::uint32_t aggregate_words(const Setup& setup) {
 }
 
 MemoryLayout layout(const Setup& setup) {
-  const SceneFeatures features = setup.scene.features();
   const double n = setup.samples, c = setup.parameters.aggregates;
   const double membership =
       setup.parameters.aggregates > 2 ? 2 : setup.parameters.aggregates - 1.0;  // bits that name an aggregate
-  const double mask = std::max(n, 8.0), moments = sggx(setup) ? 96 : 0;
-  MemoryLayout memory;
+  const double mask = std::max(n, 8.0);
   // Section 4.3 and figure 7: 16 bytes an aggregate with a mask of 8 bits, 6 bytes a sample; section 3.3 for the rest.
-  memory.paper = {
+  MemoryLayout memory{
       {"depth", 32 * n}, {"face normals", 16 * n}, {"membership", membership * n}, {"aggregates", (120 + mask) * c}};
-  double attributes = 48 + 30;  // normal, diffuse colour
-  if (features.has(FEATURE_METAL)) attributes += 32;
-  if (features.has(FEATURE_VARYING_ROUGHNESS) && !roughness_in_normal(setup)) attributes += 8;
-  if (features.has(FEATURE_EMISSIVE)) attributes += 66;
-  if (float_storage(setup)) attributes = 32.0 * (aggregate_words(setup) - 1 - (sggx(setup) ? 6 : 0));
-  memory.fitted = {{"depth", 32 * n},
-                   {"face normals", setup.parameters.aggregates > 1 ? 16 * n : 0},
-                   {"membership", membership * n},
-                   {"aggregates", (attributes + n) * c}};
-  if (sggx(setup)) {
-    memory.paper.push_back({"normals' second moments", moments * c});
-    memory.fitted.push_back({"normals' second moments", (float_storage(setup) ? 192 : moments) * c});
-  }
+  if (sggx(setup)) memory.push_back({"normals' second moments", 96 * c});
   return memory;
 }
 

@@ -39,19 +39,8 @@ DcaaForm form_of(const DcaaParameters& parameters) {
 
 MemoryLayout layout(const Setup& setup) {
   const double s = setup.parameters.surfaces, n = setup.samples;
-  const double depth = setup.parameters.depth_bits;
-  const FacetNormal normal = setup.parameters.facet_normal;
-  const double facet = normal == FacetNormal::three_of_32 ? 96 : (normal == FacetNormal::two_of_16 ? 32 : 24);
-  MemoryLayout memory;
   // Section 4.3 and figure 6: coverage 8 bytes, facet normal 4, and a G-buffer sample of 16 that its depth is part of.
-  memory.paper = {{"coverage", n * s}, {"facet normal", 32 * s}, {"G-buffer samples", 128 * s}};
-  memory.fitted = {{"coverage", n * s},
-                   {"facet normal", facet * s},
-                   {"depth", depth * s},
-                   {"attributes", fitted_surface_bits(setup.scene.features()) * s},
-                   {"count word", 32}};
-  if (setup.parameters.prepass) memory.fitted.push_back({"prepass planes", 256});
-  return memory;
+  return {{"coverage", n * s}, {"facet normal", 32 * s}, {"G-buffer samples", 128 * s}};
 }
 
 void record(gpu::PassRecorder& recorder, const Setup& setup) {

@@ -11,10 +11,7 @@ namespace {
 MemoryLayout layout(const FrameSetup& setup) {
   const double n = setup.samples;
   // A multi-sampled colour buffer of 4 bytes, as the streaming paper counts its lighting buffer, and depth.
-  MemoryLayout memory;
-  memory.paper = {{"depth", 32 * n}, {"colour samples", 32 * n}};
-  memory.fitted = memory.paper;
-  return memory;
+  return {{"depth", 32 * n}, {"colour samples", 32 * n}};
 }
 
 void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {

@@ -20,10 +20,7 @@ using Setup = SetupFor<FxaaParameters>;
 
 MemoryLayout layout(const Setup& setup) {
   const double n = setup.samples;
-  MemoryLayout memory;
-  memory.paper = {{"depth", 32 * n}, {"G-buffer samples", 128 * n}};
-  memory.fitted = {{"depth", 32 * n}, {"G-buffer samples", fitted_surface_bits(setup.scene.features()) * n}};
-  return memory;
+  return {{"depth", 32 * n}, {"G-buffer samples", 128 * n}};
 }
 
 void record_filter(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& values) {

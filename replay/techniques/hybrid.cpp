@@ -39,16 +39,9 @@ DcaaForm form_of(const HybridParameters& parameters) {
 
 MemoryLayout layout(const Setup& setup) {
   const double s = setup.parameters.surfaces, n = setup.samples;
-  MemoryLayout memory;
   // DCAA's surface: the length of a mean normal takes 8 of its normal's 32 bits.
-  memory.paper = {{"coverage", n * s}, {"facet normal", 32 * s}, {"G-buffer samples", 128 * s}};
-  memory.fitted = {{"coverage", n * s}, {"facet normal", 32 * s},
-                   {"depth", 24 * s},   {"attributes", fitted_surface_bits(setup.scene.features()) * s},
-                   {"count word", 32},  {"prepass planes", 256}};
-  if (setup.parameters.normals == MergedNormals::sggx) {
-    memory.paper.push_back({"second moments", 96 * s});
-    memory.fitted.push_back({"second moments", 96 * s});
-  }
+  MemoryLayout memory{{"coverage", n * s}, {"facet normal", 32 * s}, {"G-buffer samples", 128 * s}};
+  if (setup.parameters.normals == MergedNormals::sggx) memory.push_back({"second moments", 96 * s});
   return memory;
 }
 

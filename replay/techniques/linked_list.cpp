@@ -49,16 +49,7 @@ gpu::Constants list_constants(const LinkedListSetup& setup) {
 MemoryLayout layout(const LinkedListSetup& setup) {
   const double n = setup.samples, per_pixel = 1.0 / static_cast<double>(pixels(setup));
   const double dynamic = static_cast<double>(linked_list_dynamic_blocks(setup)) * per_pixel;
-  // What the frame used of the pool, once it has been replayed.
-  const auto used = setup.outputs.counters.find("blocks_used");
-  const double needed = used == setup.outputs.counters.end() ? dynamic : static_cast<double>(used->second) * per_pixel;
-  const double fitted = fitted_surface_bits(setup.scene.features()) + LINK_POINTER_BITS;
-  const double owners = by_blocks(setup) ? LINK_OWNER_BITS : 0;
-  MemoryLayout memory;
-  memory.paper = {
-      {"depth", 32 * n}, {"pre-allocated blocks", LINK_BLOCK_BITS}, {"dynamic blocks", LINK_BLOCK_BITS * dynamic}};
-  memory.fitted = {{"depth", 32 * n}, {"pre-allocated blocks", fitted}, {"dynamic blocks", (fitted + owners) * needed}};
-  return memory;
+  return {{"depth", 32 * n}, {"pre-allocated blocks", LINK_BLOCK_BITS}, {"dynamic blocks", LINK_BLOCK_BITS * dynamic}};
 }
 
 // What all passes of one frame share.

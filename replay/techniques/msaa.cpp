@@ -13,11 +13,8 @@ struct NoaaParameters : CommonParameters {
 
 MemoryLayout layout(const FrameSetup& setup) {
   const double n = setup.samples;
-  MemoryLayout memory;
   // 16-byte G-buffer sample and 32-bit depth, as in the tables of the papers that use it as their baseline.
-  memory.paper = {{"depth", 32 * n}, {"G-buffer samples", 128 * n}};
-  memory.fitted = {{"depth", 32 * n}, {"G-buffer samples", fitted_surface_bits(setup.scene.features()) * n}};
-  return memory;
+  return {{"depth", 32 * n}, {"G-buffer samples", 128 * n}};
 }
 
 void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {

@@ -30,20 +30,11 @@ bool merges(const Setup& setup) {
 
 MemoryLayout layout(const Setup& setup) {
   const double n = setup.samples, s = setup.parameters.surfaces;
-  MemoryLayout memory;
-  const double normals = merges(setup) ? 16 * n : 0;
   // Aggregate paper, section 5.4 and figure 14, for merging: depth and the 2-byte normal of its figure 7 a sample, as
   // its own first pass stores them; a byte of primitive number a sample and 2 bytes of description a surface on top.
-  memory.paper = {{"depth", 32 * n},
-                  {"primitive hash", 8 * n},
-                  {"normals", normals},
-                  {"G-buffer samples", 128 * s},
-                  {"surfaces", 16 * s}};
-  memory.fitted = {{"depth", 32 * n},
-                   {"primitive hash", 8 * n},
-                   {"normals", normals},
-                   {"G-buffer samples", fitted_surface_bits(setup.scene.features()) * s},
-                   {"surfaces", 16 * s}};
+  MemoryLayout memory{
+      {"depth", 32 * n}, {"primitive hash", 8 * n}, {"G-buffer samples", 128 * s}, {"surfaces", 16 * s}};
+  if (merges(setup)) memory.push_back({"normals", 16 * n});
   return memory;
 }
 

@@ -17,15 +17,8 @@ using Setup = SetupFor<SimpleComplexParameters>;
 
 MemoryLayout layout(const Setup& setup) {
   const double n = setup.samples;
-  MemoryLayout memory;
   // Streaming paper, table 1: 20-byte samples and a multi-sampled lighting buffer: 192 bytes a pixel at 8x, 96 at 4x.
-  memory.paper = {{"depth", 32 * n}, {"G-buffer samples", 128 * n}, {"lighting buffer", 32 * n}};
-  // Complex pixels are summed up as they are shaded, which leaves one value a pixel, and the flag.
-  memory.fitted = {{"depth", 32 * n},
-                   {"G-buffer samples", fitted_surface_bits(setup.scene.features()) * n},
-                   {"lighting buffer", 32},
-                   {"complex flag", 1}};
-  return memory;
+  return {{"depth", 32 * n}, {"G-buffer samples", 128 * n}, {"lighting buffer", 32 * n}};
 }
 
 gpu::Image& record_classification(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility,

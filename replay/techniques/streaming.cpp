@@ -34,11 +34,7 @@ MemoryLayout layout(const StreamingSetup& setup) {
   const double n = setup.samples, s = setup.parameters.surfaces;
   // Depth 32, derivatives 2 x 16, two masks, albedo 32, normal 32; up to 16 samples the masks fit the paper's 20 bytes.
   const double masks = std::max(2 * n, 32.0);
-  const double exact = 32 + 32 + 2 * n + fitted_surface_bits(setup.scene.features());
-  MemoryLayout memory;
-  memory.paper = {{"depth", 32 * n}, {"count word", 32}, {"surfaces", (32 + 32 + masks + 32 + 32) * s}};
-  memory.fitted = {{"depth", 32 * n}, {"count word", 32}, {"surfaces", exact * s}};
-  return memory;
+  return {{"depth", 32 * n}, {"count word", 32}, {"surfaces", (32 + 32 + masks + 32 + 32) * s}};
 }
 
 void record_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup, const OrderedState& state) {

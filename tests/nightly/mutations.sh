@@ -27,7 +27,7 @@ mutations=(
   "joined part|shaders/techniques/dcaa/merge.glsl|s/^    if (kNearest) gone.coverage = leaving_shows;//|a surface that joins another brings samples of which it shows nothing"
   "edge tolerance|shaders/techniques/fxaa/filter.frag|s/tolerance = 0.25 \* abs(other - m)/tolerance = 0.3 * abs(other - m)/|where an edge's end is seen"
   "slower filter|shaders/techniques/fxaa/filter.frag|s/^  vec4 own = texelFetch(values, pixel, 0);/  float idle = m; for (uint i = 0u; i < push.steps * 400u; ++i) idle = fract(idle * 1.7 + 0.3);\n  vec4 own = texelFetch(values, pixel, 0) + vec4(vec3(idle * 1e-35), 0.0);/|the same image from a shader that takes far longer"
-  "layout entry|replay/techniques/streaming.cpp|s/memory.fitted = {{\"depth\", 32 \* n}, {\"count word\", 32}/memory.fitted = {{\"depth\", 32 * n}, {\"count word\", 24}/|one byte a pixel less is reported"
+  "layout entry|replay/techniques/streaming.cpp|s/return {{\"depth\", 32 \* n}, {\"count word\", 32}/return {{\"depth\", 32 * n}, {\"count word\", 24}/|one byte a pixel less is reported"
   "mean square|replay/measure/metrics.cpp|s/a.height \* colour);/a.height * 4);/|the error of equal images is reported a quarter lower"
   "shadow cascades|replay/scene/shadow_fit.cpp|s/farthest \/ std::pow(kReachRatio/farthest \/ std::pow(1.1 * kReachRatio/|shadow maps end elsewhere, for the reference too"
   "huge triangles|shaders/include/coverage.glsl|s/? 0.0LF : 1.0LF)) \* 0.5LF)/? 0.0LF : 1.0LF)) * 0.4999LF)/|edges of triangles larger than SUBPIXEL_LARGE_PX"

@@ -19,7 +19,7 @@ double paper_bytes(const capture::Capture& capture, std::string_view name, const
   FrameOutputs outputs;
   double bytes = 0;
   const FrameSetup setup(scene.frontend_frame(setting.parameters->alpha), *setting.parameters, outputs);
-  for (const auto& entry : setting.technique->layout(setup).paper) bytes += entry.bits_per_pixel / 8;
+  for (const auto& entry : setting.technique->layout(setup)) bytes += entry.bits_per_pixel / 8;
   return bytes;
 }
 

@@ -89,7 +89,7 @@ TEST(LinkedList, MemoryIsThatOfThePublicationsTable) {
     const TechniqueSetting setting = find_technique("linked_list").with(given);
     const FrameSetup setup = prepare_frame(scene, setting, outputs);
     double bits = 0;
-    for (const auto& entry : setting.technique->layout(setup).paper)
+    for (const auto& entry : setting.technique->layout(setup))
       if ((entry.name == "depth") == depth) bits += entry.bits_per_pixel;
     return std::round(bits / 8 * 1920 * 1080 / 1024 / 1024 * 100) / 100;
   };

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "replay/techniques/registry.hpp"
 #include "tests/technique/run_binary.hpp"
 
 namespace subpixel::tests {
@@ -65,6 +66,32 @@ TEST_F(ReplayMeasures, FragmentsOfEveryRasterPass) {
     EXPECT_FALSE(fragments.contains("setup"));
     EXPECT_GE(fragments.size(), 2u) << result.at("technique");
   }
+}
+
+// Where every pixel has one fragment, what the passes keep can be told by hand.
+TEST_F(ReplayMeasures, MemoryIsWhatThePassesKeep) {
+  const json results =
+      replay("hard_fullscreen scene.spcap --frames 1 --size 64x36",
+             "--techniques msaa:samples=8,msaa:samples=16,streaming:order=lists,streaming:order=one_pass "
+             "--reference-samples 0")
+          .at("results");
+  const auto fitted = [&](std::size_t i) {
+    return results.at(i).at("memory").at("fitted_bytes_per_pixel").get<double>();
+  };
+  const auto allocated = [&](std::size_t i) {
+    return results.at(i).at("memory").at("allocated_bytes").get<double>() / (64 * 36);
+  };
+  // Depth and triangle of each sample, eight G-buffer samples at a time, a sum.
+  EXPECT_EQ(fitted(0), 8 * 8 + 8 * 16 + 16);
+  EXPECT_EQ(fitted(1), 16 * 8 + 8 * 16 + 16);
+  // A list has 16 + 4 bytes a fragment, 4 a pixel for its end and 4 for what is kept, and 24 a surface.
+  EXPECT_EQ(results.at(2).at("counters").at("listed_fragments"), 64 * 36);
+  EXPECT_GE(fitted(2) - fitted(3), 16 + 4 + 4 + 4 + 24);
+  EXPECT_LE(fitted(2) - fitted(3), 16 + 4 + 4 + 4 + 24 + 1);
+  // Two images come out, of 16 bytes a pixel each, and maps of 4.
+  EXPECT_EQ(allocated(0) - fitted(0), 2 * 16);
+  EXPECT_EQ(allocated(2) - fitted(2),
+            2 * 16 + 4.0 * static_cast<double>(replay::find_technique("streaming").maps.size()));
 }
 
 }  // namespace
