@@ -9,6 +9,7 @@ import numpy
 
 BORDER = 4      # texels around a cell, so that filters of the first two levels stay in it
 LONGEST = 1024  # texels along an edge
+HIGHEST = 8192  # texels of the texture from top to bottom
 CHUNK = 1 << 18
 
 
@@ -75,7 +76,7 @@ def is_in_view(clips):
         all(sign * c[axis] > c[3] for c in clips) for axis in (0, 1) for sign in (1, -1)))
 
 
-def _cell_size(cell, images, viewport):
+def _cell_size(cell, images, viewport, longest):
     """Texels along the edges from the first corner to the second and the third."""
     if not cell.is_seen:
         return 1, 1
@@ -88,7 +89,7 @@ def _cell_size(cell, images, viewport):
     if all(c[3] > 0 for c in cell.clips):
         places = [(c[0] / c[3] * viewport[0] / 2, c[1] / c[3] * viewport[1] / 2) for c in cell.clips]
         wanted = [math.hypot(places[corner][0] - places[0][0], places[corner][1] - places[0][1]) for corner in (1, 2)]
-    return tuple(int(min(max(math.ceil(min(a, b)), 1), LONGEST)) for a, b in zip(wanted, finest))
+    return tuple(int(min(max(math.ceil(min(a, b)), 1), longest)) for a, b in zip(wanted, finest))
 
 
 def _packed(sizes):
@@ -109,13 +110,15 @@ def _packed(sizes):
 def bake(cells, images, viewport, is_linear):
     """(width, height, RGBA bytes, three uvs for each cell). `viewport`: width and height in pixels; `is_linear`: the
     target blends linear numbers and holds sRGB."""
+    longest = LONGEST
     while True:
-        inner = [_cell_size(cell, images, viewport) for cell in cells]
+        inner = [_cell_size(cell, images, viewport, longest) for cell in cells]
         borders = [BORDER if cell.is_seen else 0 for cell in cells]
         width, height, places = _packed([(w + 2 * b, h + 2 * b) for (w, h), b in zip(inner, borders)])
-        if height <= 16384:
+        if height <= HIGHEST or longest == 1:
             break
-        viewport = (viewport[0] / 2, viewport[1] / 2)
+        # Coarser: triangles that reach behind the eye, whose place on the image says nothing, are cut by their length.
+        viewport, longest = (viewport[0] / 2, viewport[1] / 2), longest // 2
     inner, borders, places = (numpy.array(values, numpy.int64) for values in (inner, borders, places))
     stack = _Stacks(cells, images, inner)
     counts = (inner[:, 0] + 2 * borders) * (inner[:, 1] + 2 * borders)

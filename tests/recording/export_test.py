@@ -198,6 +198,18 @@ class Layers(unittest.TestCase):
         self.assertEqual(self.composed(), ([colour], None))
         self.assertEqual((colour.discards, colour.cutoff), (True, 0.3))
 
+    def test_triangles_behind_the_eye_do_not_swell_the_texture(self):
+        wide = export.bake.Image(textures.texels(image(*[(1, 2, 3, 255)] * 64)).repeat(64, axis=0), (1, 1), False)
+        layer = (0, ((0, 0), (1, 0), (0, 1)), ((1.0,) * 4,) * 3, None)
+        cells = [export.bake.Cell(((0, 0, 0, -1), (1, 0, 0, 2), (0, 1, 0, 3)), True, [layer])] * 200
+        held, export.bake.HIGHEST = export.bake.HIGHEST, 256
+        try:
+            width, height, data, uvs = export.bake.bake(cells, [wide], (64, 64), False)
+        finally:
+            export.bake.HIGHEST = held
+        self.assertLessEqual(height, 256)
+        self.assertEqual((len(data), uvs.shape), (4 * width * height, (200, 3, 2)))
+
     def test_without_numpy_the_strongest_layer_shows(self):
         self.draw("prepass")
         for weight in (0.3, 0.6, 0.1):
