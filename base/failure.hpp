@@ -6,7 +6,7 @@
 
 namespace subpixel {
 
-// 0 is success and 1 a gate that failed (nightly, validate, advise); neither is an exception.
+// 0 is success and 1 a gate that failed (nightly, validate, advise, diff); neither is an exception.
 enum ExitCode : int {
   kUsageExit = 2,      // the request itself is wrong
   kInputExit = 3,      // a file, its content or the room for it is wrong
