@@ -1,7 +1,7 @@
 """One texture for triangles that several blended draws make up: what they leave together, a cell for each triangle.
 
-A cell has about a texel for each pixel that its triangle covers where it was recorded, never more than the finest of its
-textures has. Needs numpy.
+A cell has about a texel for each pixel that its triangle covers where it was recorded, never more than the finest of
+its textures has. Needs numpy.
 """
 import math
 

@@ -16,7 +16,8 @@ _THREE = (
     "00aa5500 24924924 24499224 50a50a50 500aa550 aaaa4444 66660000 a5a0a5a0 50a050a0 69286928 44aaaa44 66666600 "
     "aa444444 54a854a8 95809580 96969600 a85454a8 80959580 aa141414 96960000 aaaa1414 a05050a0 a0a5a5a0 96000000 "
     "40804080 a9a8a9a8 aaaaaa44 2a4a5254")
-# The texels whose index lacks its highest bit, besides texel 0: of the second of two parts, the second and third of three.
+# The texels whose index lacks its highest bit, besides texel 0: of the second of two parts, the second and third of
+# three.
 _FIXED_OF_TWO = "fffffffffffffffff282288f28228822ff6828ff28222ff66268ff22fffff22f"
 _FIXED_OF_THREE = ("33ff83ff88666533338f336a588685ff8f356a8ff3f5ffff3f55585a5a8dfc33",
                    "f883ff38fffffff8f8f3f8f83f6affa8f3faa89a6f8f3668f3ffffffffff3ff8")

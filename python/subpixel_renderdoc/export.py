@@ -489,8 +489,9 @@ class FrameExport:
         elif numpy is None or is_cut:
             entry, t, _ = max(pile, key=lambda held: sum(c[3] for c in self._corner_colours(*held[:2])))
             entry.kept.add(t)
+            why = "they are alpha-tested" if is_cut else "Python has no numpy"
             self.notices.draw("approximated: layers blended at equal depth; each triangle has the strongest one's "
-                              "texture, as " + ("they are alpha-tested" if is_cut else "Python has no numpy"), entry.name)
+                              "texture, as " + why, entry.name)
         else:
             self.piles.append((base, stack.number, pile))
 
@@ -753,7 +754,8 @@ class FrameExport:
 
     @staticmethod
     def _colour_output(entry):
-        return next((o for o in entry.outputs if o[2] > 0 and o[1] >= 3 and re.search(geometry.COLOUR, o[0], re.I)), None)
+        return next((o for o in entry.outputs if o[2] > 0 and o[1] >= 3 and re.search(geometry.COLOUR, o[0], re.I)),
+                    None)
 
     def _colours(self, entry, copies):
         """Vertex colours that the vertex shader hands on as such, as it hands them on; those that it keeps are data of

@@ -147,8 +147,8 @@ def _dds(width, height, blocks, signed, data):
     block_bytes, code, dxgi = blocks
     size = (width + 3) // 4 * ((height + 3) // 4) * block_bytes
     head = struct.pack("<4s7I44x", b"DDS ", 124, 0x81007, height, width, size, 0, 0)
-    # Of two channels OpenImageIO works out the third where the file says that it is a normal map, and else takes them for
-    # grey and alpha.
+    # Of two channels OpenImageIO works out the third where the file says that it is a normal map, and else takes them
+    # for grey and alpha.
     flags = 0x4 | (0x80000000 if code == b"ATI2" else 0)
     head += struct.pack("<2I4s5I", 32, flags, code, 0, 0, 0, 0, 0) + struct.pack("<5I", 0x1000, 0, 0, 0, 0)
     if code == b"DX10":

@@ -163,7 +163,8 @@ class Layers(unittest.TestCase):
         left_red = [(1, 1, 1, a) for a in (1.0, 0.0, 1.0)]
         self.draw("prepass")
         self.draw("layer", image((200, 0, 0, 255)), left_red, ("SrcAlpha", "One"), turn=1)
-        self.draw("layer", image((0, 0, 200, 255)), [(1, 1, 1, 1 - c[3]) for c in left_red], ("SrcAlpha", "One"), turn=2)
+        right_blue = [(1, 1, 1, 1 - c[3]) for c in left_red]
+        self.draw("layer", image((0, 0, 200, 255)), right_blue, ("SrcAlpha", "One"), turn=2)
         # A decal: opaque where u is above one half.
         self.draw("layer", image(*[(0, 240, 0, 0)] * 8, *[(0, 240, 0, 255)] * 8), blend=("SrcAlpha", "InvSrcAlpha"))
         left, colour = self.composed()
@@ -265,17 +266,18 @@ class Replayed(unittest.TestCase):
         capture.materials.append(spcap.Material(unlit=True, two_sided=True, base_colour_texture=0))
         capture.buffers.append(spcap.Buffer(bytes=struct.pack("<9f", -9, -9, -2, 9, -9, -2, 0, 9, -2)))
         capture.frames.append(spcap.Frame(
-            view=spcap.IDENTITY, projection=(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.1, -1, 0, 0, -0.21, 0), width=16, height=16,
-            clip_depth=spcap.ClipDepth.ZERO_TO_ONE))
+            view=spcap.IDENTITY, projection=(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.1, -1, 0, 0, -0.21, 0), width=16,
+            height=16, clip_depth=spcap.ClipDepth.ZERO_TO_ONE))
         capture.frames[0].draws.append(spcap.Draw(
-            name="all", material=0, position=spcap.VertexStream(buffer=0, format=spcap.VertexFormat.FLOAT32X3, stride=12),
-            vertex_count=3, index_count=3))
+            name="all", material=0, vertex_count=3, index_count=3,
+            position=spcap.VertexStream(buffer=0, format=spcap.VertexFormat.FLOAT32X3, stride=12)))
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "normals.spcap")
             spcap.write(capture, path)
             subprocess.run([os.environ["SUBPIXEL"], "replay", path, "--techniques", "noaa", "--reference-samples", "0",
                             "--repeat", "1", "--out", folder], check=True, stdout=subprocess.DEVNULL)
-            exr = [os.path.join(at, name) for at, _, names in os.walk(folder) for name in names if name.endswith(".exr")]
+            exr = [os.path.join(at, name) for at, _, names in os.walk(folder) for name in names
+                   if name.endswith(".exr")]
             found = [depth.read_exr(exr[0], (channel,))[2][8][8] for channel in "RGB"]
         x, y = 200 / 255, 100 / 255
         wanted = (x, y, 0.5 + 0.5 * (1 - (2 * x - 1) ** 2 - (2 * y - 1) ** 2) ** 0.5)
