@@ -27,16 +27,6 @@ struct Materials {
   std::uint32_t brick, stone, marble, floor, iron, lamp;
 };
 
-std::uint32_t add_masonry(SceneBuilder& scene, const std::string& name, const BrickPattern& pattern, double depth,
-                          float roughness, std::uint64_t seed) {
-  Material material;
-  material.name = name;
-  material.base_colour_texture = scene.add_texture(brick_texture(name, 512, pattern, seed));
-  material.normal_texture = scene.add_texture(brick_normal_texture(name + " normals", 512, pattern, depth, seed));
-  material.roughness = roughness;
-  return scene.add_material(material);
-}
-
 Materials add_materials(SceneBuilder& scene, std::uint64_t seed) {
   Materials materials{};
   BrickPattern bricks{8, 16, 0.5, 0.07, {164, 104, 78}, {138, 82, 62}, {176, 168, 152}};
@@ -69,54 +59,6 @@ Mesh column(std::uint32_t sides) {
   const std::vector<double> radii{0.30, 0.31, 0.27, 0.23, 0.225, 0.2, 0.23, 0.21, 0.29, 0.31};
   add_tube(mesh, path, radii, sides, false);
   add_box(mesh, {-0.34, 2.95, -0.34}, {0.34, kColumn_m, 0.34});
-  return mesh;
-}
-
-// The wall over one bay from column to column with a round opening; seen from +x, z from 0 to -kBay_m.
-Mesh arch() {
-  constexpr std::uint32_t kSteps = 24;
-  Mesh mesh;
-  const double middle = -kBay_m / 2;
-  const auto rim = [&](std::uint32_t i) {
-    const double angle = kPi * i / kSteps;
-    return glm::dvec2(middle + kArchRadius_m * cosine(angle), kColumn_m + kArchRadius_m * sine(angle));
-  };
-  const double half = kWall_m / 2;
-  for (std::uint32_t i = 0; i < kSteps; ++i) {
-    const glm::dvec2 a = rim(i);
-    const glm::dvec2 b = rim(i + 1);
-    // Above the rim to the floor of the gallery, on both faces.
-    for (const double side : {1.0, -1.0}) {
-      const glm::dvec3 normal(side, 0, 0);
-      const std::array<glm::dvec3, 4> corners{glm::dvec3(side * half, a.y, a.x),
-                                              {side * half, b.y, b.x},
-                                              {side * half, kFloor_m, b.x},
-                                              {side * half, kFloor_m, a.x}};
-      std::array<std::uint32_t, 4> v{};
-      for (std::size_t k = 0; k < 4; ++k)
-        v[k] = mesh.add_vertex(corners[k], normal, {-side * corners[k].z, -corners[k].y});
-      if (side < 0) std::swap(v[1], v[3]);
-      mesh.add_triangle(v[0], v[1], v[2]);
-      mesh.add_triangle(v[0], v[2], v[3]);
-    }
-    // The underside of the opening, smooth.
-    const auto inward = [&](const glm::dvec2& p) {
-      return glm::normalize(glm::dvec3(0, kColumn_m - p.y, middle - p.x));
-    };
-    const double u = kArchRadius_m * kPi / kSteps;
-    const std::uint32_t p = mesh.add_vertex({-half, a.y, a.x}, inward(a), {i * u, 0});
-    const std::uint32_t q = mesh.add_vertex({half, a.y, a.x}, inward(a), {i * u, kWall_m});
-    const std::uint32_t r = mesh.add_vertex({half, b.y, b.x}, inward(b), {(i + 1) * u, kWall_m});
-    const std::uint32_t s = mesh.add_vertex({-half, b.y, b.x}, inward(b), {(i + 1) * u, 0});
-    mesh.add_triangle(p, s, r);
-    mesh.add_triangle(p, r, q);
-  }
-  // Between the rim's ends and the columns' middles.
-  const double pier = kBay_m / 2 - kArchRadius_m;
-  add_box(mesh, {-half, kColumn_m, -pier}, {half, kFloor_m, 0});
-  add_box(mesh, {-half, kColumn_m, -kBay_m}, {half, kFloor_m, -kBay_m + pier});
-  for (glm::dvec2& uv : mesh.uvs) uv *= 0.6;
-  compute_tangents(mesh);
   return mesh;
 }
 
@@ -156,13 +98,6 @@ Mesh lamp_iron() {
                          glm::dvec3(0, -1.56, 0) + out * 0.14, glm::dvec3(0, -1.68, 0) + out * 0.03},
              std::vector<double>(4, 0.006), 5, false);
   }
-  return mesh;
-}
-
-Mesh boxed(const glm::dvec3& low, const glm::dvec3& high, double uv_scale) {
-  Mesh mesh;
-  add_box(mesh, low, high, uv_scale);
-  compute_tangents(mesh);
   return mesh;
 }
 
@@ -219,7 +154,10 @@ Capture arcade(const GenerateOptions& options, const ArcadeParameters& parameter
   scene.draw(scene.add_mesh("end wall", boxed({-outer, 0, -length - 4}, {outer, 10.5, -length - 3.4}, 0.4)), "end wall",
              materials.brick);
   scene.draw_instances(scene.add_mesh("column", column(parameters.column_sides)), "columns", materials.marble, columns);
-  scene.draw_instances(scene.add_mesh("arch", arch()), "arches", materials.stone, arches);
+  Mesh arch = arched_wall({kBay_m, kArchRadius_m, kColumn_m, kFloor_m, kWall_m});
+  for (glm::dvec2& uv : arch.uvs) uv *= 0.6;
+  compute_tangents(arch);
+  scene.draw_instances(scene.add_mesh("arch", arch), "arches", materials.stone, arches);
   scene.draw_instances(scene.add_mesh("balustrade", balustrade()), "balustrades", materials.marble, edges);
   scene.draw_instances(scene.add_mesh("lamp iron", lamp_iron()), "lamp irons", materials.iron, lamps);
   Mesh glass;

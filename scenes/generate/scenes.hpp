@@ -69,6 +69,22 @@ struct ArcadeParameters {
 };
 Capture arcade(const GenerateOptions& options, const ArcadeParameters& parameters = {});
 
+// The inside of a power plant, after that of Kerzner and Salvi 2014: pipes of all diameters, many of them parallel and
+// about a pixel wide, railings, ladders and grated walkways before and behind each other.
+struct PlantParameters {
+  std::uint32_t pipes = 240;  // with bends, valves and flanges, times density
+  std::uint32_t racks = 22;   // of five to twelve parallel pipes, times density
+};
+Capture plant(const GenerateOptions& options, const PlantParameters& parameters = {});
+
+// The inside of a small cathedral, after the Sibenik model of Wang et al. 2015: columns, ribs, mouldings and steps in
+// textured stone, of which little is smaller than a pixel.
+struct CathedralParameters {
+  std::uint32_t bays = 7;  // from the entrance to the apse
+  std::uint32_t column_sides = 32;
+};
+Capture cathedral(const GenerateOptions& options, const CathedralParameters& parameters = {});
+
 // Scenes of a few triangles, for tests.
 Capture triangle(const GenerateOptions& options);
 Capture empty(const GenerateOptions& options);

@@ -49,6 +49,7 @@ double smooth_step(double low, double high, double x) {
 struct BrickAt {
   double edge;         // distance to the brick's nearest edge, in brick heights; negative in no case
   std::uint64_t hash;  // of the brick
+  bool odd;            // in a chequered pattern
 };
 
 BrickAt brick_at(const BrickPattern& pattern, double u, double v, std::uint64_t seed) {
@@ -61,7 +62,7 @@ BrickAt brick_at(const BrickPattern& pattern, double u, double v, std::uint64_t 
   const double y = row_position - row;
   const double brick_length = static_cast<double>(pattern.rows) / pattern.columns;  // in brick heights
   const double edge = std::min(std::min(x, 1 - x) * brick_length, std::min(y, 1 - y));
-  return {edge, Random(seed + row * 7919ull + column).next()};
+  return {edge, Random(seed + row * 7919ull + column).next(), ((row + column) & 1) != 0};
 }
 
 double brick_height(const BrickPattern& pattern, double u, double v, std::uint64_t seed) {
@@ -110,7 +111,7 @@ Texture noise_texture(std::string name, std::uint32_t side, std::uint32_t cells,
 Texture brick_texture(std::string name, std::uint32_t side, const BrickPattern& pattern, std::uint64_t seed) {
   return fill(std::move(name), side, side, true, [&](double u, double v) {
     const BrickAt brick = brick_at(pattern, u, v, seed);
-    const double tint = static_cast<double>(brick.hash >> 11) * 0x1p-53;
+    const double tint = pattern.chequered ? (brick.odd ? 1.0 : 0.0) : static_cast<double>(brick.hash >> 11) * 0x1p-53;
     const double grain = 0.86 + 0.28 * tileable_noise(u * 64, v * 64, 64, 3, seed + 1);
     const double top = smooth_step(pattern.mortar * 0.5, pattern.mortar * 1.2, brick.edge);
     const glm::dvec3 colour = glm::mix(pattern.joint, glm::mix(pattern.brick, pattern.brick_other, tint), top);
@@ -132,6 +133,40 @@ Texture brick_normal_texture(std::string name, std::uint32_t side, const BrickPa
     const double dy = (height(u, v - step) - height(u, v + step)) / (2 * step);  // +Y is up the image
     const glm::dvec3 normal = glm::normalize(glm::dvec3(-dx, -dy, 1));
     return glm::dvec4((normal * 0.5 + 0.5) * 255.0, 255);
+  });
+}
+
+Texture stained_glass_texture(std::string name, std::uint32_t side, std::uint32_t cells, std::uint64_t seed) {
+  constexpr std::array<glm::dvec3, 6> kGlass{
+      {{28, 52, 160}, {168, 24, 30}, {214, 160, 40}, {30, 110, 62}, {120, 40, 120}, {190, 206, 220}}};
+  return fill(std::move(name), side, side, true, [&](double u, double v) {
+    // The nearest and second nearest of points jittered on a grid (Worley 1996) tell the piece and its border.
+    const double x = u * cells;
+    const double y = v * cells;
+    double nearest = 9;
+    double second = 9;
+    std::uint64_t piece = 0;
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        const double cell_x = std::floor(x) + dx;
+        const double cell_y = std::floor(y) + dy;
+        const auto wrapped = [&](double cell) {
+          return static_cast<std::uint64_t>(cell - std::floor(cell / cells) * cells);
+        };
+        Random random(seed + wrapped(cell_y) * 7919 + wrapped(cell_x));
+        const double away_x = cell_x + random.between(0.1, 0.9) - x;
+        const double away_y = cell_y + random.between(0.1, 0.9) - y;
+        const double distance = std::sqrt(away_x * away_x + away_y * away_y);
+        if (distance < nearest) {
+          second = nearest;
+          nearest = distance;
+          piece = random.next();
+        } else {
+          second = std::min(second, distance);
+        }
+      }
+    const double lit = smooth_step(0.06, 0.14, second - nearest);
+    return glm::dvec4(glm::mix(glm::dvec3(6), kGlass[piece % kGlass.size()], lit), 255);
   });
 }
 

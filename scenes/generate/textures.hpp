@@ -22,6 +22,7 @@ struct BrickPattern {
   double shift = 0.5;                   // of odd rows, in bricks
   double mortar = 0.06;                 // width in bricks' heights
   glm::dvec3 brick{150, 84, 66}, brick_other{122, 62, 50}, joint{168, 162, 150};
+  bool chequered = false;  // the two colours by turns rather than mixed from brick to brick
 };
 
 // Brick-work or paving, with the colour varying from brick to brick.
@@ -30,6 +31,9 @@ Texture brick_texture(std::string name, std::uint32_t side, const BrickPattern& 
 // The normal map of the same pattern and seed: rounded edges, joints lying `depth` (in sides of the texture) lower.
 Texture brick_normal_texture(std::string name, std::uint32_t side, const BrickPattern& pattern, double depth,
                              std::uint64_t seed);
+
+// Pieces of coloured glass between dark lead, `cells` along a side.
+Texture stained_glass_texture(std::string name, std::uint32_t side, std::uint32_t cells, std::uint64_t seed);
 
 // A gradient from root (v = 1, the bottom row) to tip with a lighter middle rib. Tileable in neither direction.
 Texture blade_texture(std::string name, std::uint32_t width, std::uint32_t height, const glm::dvec3& root,

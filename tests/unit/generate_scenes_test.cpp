@@ -2,8 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
+#include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <set>
 #include <span>
+#include <tuple>
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
@@ -66,12 +70,13 @@ INSTANTIATE_TEST_SUITE_P(All, GeneratedScene, testing::ValuesIn(scene_names()),
 // of the generator in scene_metadata.hpp.
 TEST(GenerateScenes, GoldenBytes) {
   const std::pair<const char*, const char*> golden[] = {
-      {"grass", "02cc341fdd52a4a8e76e4904bf5fe53a"},  {"city", "c492598550ba1054ca3c2bd8d0eb42a0"},
-      {"fur", "ee76e3c513475056b2d80b15b4d9f9c3"},    {"tubes", "c4937d7e0e0be341b13c2ae2693b29d9"},
-      {"bamboo", "9ad2c0282605fc90e341ad5c05e822a9"}, {"foliage", "bb5f4fde94aa710e6adaf4e5f8bb1726"},
-      {"arcade", "b5225cc2b95c77cc0df2907078eebffe"}, {"triangle", "87e868ce266f6d65bc07295076d8ac40"},
-      {"empty", "a4cb0b2b637906f8f01ec123d5474bd9"},  {"cube", "16c1c0ffe9bde70e9bc35946f438a7f0"},
-      {"quads", "c6939e0bc1e261a3751cd21060273ed5"},  {"spheres", "dc61fca93375163fa92343c88321f3a2"},
+      {"grass", "02cc341fdd52a4a8e76e4904bf5fe53a"},     {"city", "c492598550ba1054ca3c2bd8d0eb42a0"},
+      {"fur", "ee76e3c513475056b2d80b15b4d9f9c3"},       {"tubes", "c4937d7e0e0be341b13c2ae2693b29d9"},
+      {"bamboo", "9ad2c0282605fc90e341ad5c05e822a9"},    {"foliage", "bb5f4fde94aa710e6adaf4e5f8bb1726"},
+      {"arcade", "b5225cc2b95c77cc0df2907078eebffe"},    {"triangle", "87e868ce266f6d65bc07295076d8ac40"},
+      {"empty", "a4cb0b2b637906f8f01ec123d5474bd9"},     {"cube", "16c1c0ffe9bde70e9bc35946f438a7f0"},
+      {"quads", "c6939e0bc1e261a3751cd21060273ed5"},     {"plant", "2010971acd32d0faef36648dae540985"},
+      {"cathedral", "b1ee9445e4965a35b2dcf864360f1ed0"}, {"spheres", "dc61fca93375163fa92343c88321f3a2"},
   };
   for (const auto& [scene, hash] : golden) EXPECT_EQ(hash_of(scene, small_options()), hash) << scene;
 }
@@ -86,13 +91,15 @@ TEST(GenerateScenes, GoldenBytesOfTheHardCases) {
 }
 
 TEST(GenerateScenes, SeedAndDensityCount) {
-  GenerateOptions options = small_options();
-  const std::string one = hash_of("grass", options);
-  options.seed = 8;
-  EXPECT_NE(hash_of("grass", options), one);
-  options = small_options();
-  options.density = 0.2;
-  EXPECT_NE(hash_of("grass", options), one);
+  for (const char* scene : {"grass", "plant"}) {
+    GenerateOptions options = small_options();
+    const std::string one = hash_of(scene, options);
+    options.seed = 8;
+    EXPECT_NE(hash_of(scene, options), one) << scene;
+    options = small_options();
+    options.density = 0.2;
+    EXPECT_NE(hash_of(scene, options), one) << scene;
+  }
 }
 
 std::uint64_t triangles(const Capture& capture) {
@@ -110,13 +117,67 @@ TEST(GenerateScenes, FullSizesAreAsDocumented) {
   EXPECT_GT(triangles(city), 150000u);
   EXPECT_EQ(city.frames[0].point_lights.size(), 32u);
   EXPECT_GT(city.frames[0].draws.size(), 100u) << "a stream of draws";
-  for (const char* name : {"fur", "tubes", "bamboo", "foliage", "arcade"}) {
+  const std::tuple<const char*, std::uint64_t, std::uint64_t> expected[] = {
+      {"fur", 370'000, 400'000},     {"tubes", 160'000, 190'000}, {"bamboo", 350'000, 380'000},
+      {"foliage", 340'000, 370'000}, {"arcade", 80'000, 100'000}, {"plant", 300'000, 900'000},
+      {"cathedral", 60'000, 110'000}};
+  for (const auto& [name, least, most] : expected) {
     const Capture capture = generate(name, {.frames = 1});
-    EXPECT_GT(triangles(capture), 80000u) << name;
-    EXPECT_LT(triangles(capture), 450000u) << name;
+    EXPECT_GT(triangles(capture), least) << name;
+    EXPECT_LT(triangles(capture), most) << name;
     EXPECT_EQ(capture.frames[0].point_lights.size(), 32u) << name;
     EXPECT_TRUE(capture.frames[0].sun && capture.frames[0].sun->shadows) << name;
   }
+}
+
+// Of the vertices of the first frame's draws, in the world.
+std::pair<glm::dvec3, glm::dvec3> bounds(const Capture& capture) {
+  glm::dvec3 low(1e30);
+  glm::dvec3 high(-1e30);
+  const auto matrix_at = [](const std::byte* bytes) {
+    Matrix4 values;
+    std::memcpy(values.data(), bytes, sizeof(values));
+    return glm::dmat4(glm::make_mat4(values.data()));
+  };
+  for (const Draw& draw : capture.frames[0].draws)
+    for (std::uint32_t i = 0; i < draw.instance_count; ++i) {
+      glm::dmat4 place(glm::make_mat4(draw.transform.data()));
+      if (draw.instance_buffer != kNone)
+        place *= matrix_at(&capture.buffers[draw.instance_buffer].bytes[draw.instance_offset + 64 * std::size_t{i}]);
+      const auto& vertices = capture.buffers[draw.position.buffer].bytes;
+      for (std::uint32_t v = 0; v < draw.vertex_count; ++v) {
+        float at[3];
+        std::memcpy(at, &vertices[draw.position.offset + std::size_t{v} * draw.position.stride], sizeof(at));
+        const glm::dvec3 world(place * glm::dvec4(at[0], at[1], at[2], 1));
+        low = glm::min(low, world);
+        high = glm::max(high, world);
+      }
+    }
+  return {low, high};
+}
+
+// The building is as large as its plan says, whatever the seed, and the camera is inside it.
+TEST(GenerateScenes, BuildingsKeepToTheirPlan) {
+  struct Plan {
+    const char* scene;
+    glm::dvec3 low, high;
+  };
+  const Plan plans[] = {{"plant", {-60, -0.31, -60}, {60, 24.01, 60}},  // the ground around it is 120 m wide
+                        {"cathedral", {-7.76, -0.21, -31.51}, {7.76, 15.71, 4.01}}};
+  for (const auto& [scene, least, most] : plans)
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+      const Capture capture = generate(scene, {.frames = 1, .seed = seed, .density = 0.3});
+      const auto [low, high] = bounds(capture);
+      const glm::dvec3 eye(glm::inverse(glm::dmat4(glm::make_mat4(capture.frames[0].view.data())))[3]);
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_GE(low[axis], least[axis]) << scene << ", axis " << axis;
+        EXPECT_LE(high[axis], most[axis]) << scene << ", axis " << axis;
+        EXPECT_LT(low[axis], least[axis] + 1) << scene << ", axis " << axis;
+        EXPECT_GT(high[axis], most[axis] - 1) << scene << ", axis " << axis;
+        EXPECT_GT(eye[axis], low[axis]) << scene << ", axis " << axis;
+        EXPECT_LT(eye[axis], high[axis]) << scene << ", axis " << axis;
+      }
+    }
 }
 
 TEST(GenerateScenes, WrongRequestsAreNamed) {
