@@ -53,18 +53,25 @@ std::string head(const Measured& measured, const std::string& command) {
   for (const Run& run : measured.runs) {
     const replay::ResultsHead& of = run.results.head;
     text +=
-        fmt::format("| {} {}x{} | {} | {} | {} | {} | {} |\n", run.plan.scene, of.width, of.height,
-                    of.triangles_first_frame, of.point_lights, run.results.results.size(),
+        fmt::format("| {} {}x{}{} | {} | {} | {} | {} | {} |\n", run.plan.scene, of.width, of.height,
+                    run.plan.frames > 1 ? fmt::format(", {} frames", run.plan.frames) : "", of.triangles_first_frame,
+                    of.point_lights, run.plan.techniques.size(),
                     of.reference_samples == 0 ? "none" : fmt::format("{} samples", of.reference_samples), of.repeat);
   }
   return text +
-         "\nOne frame of each scene. Times are warm medians of a software rasteriser: read them as ratios to `msaa` 8x "
+         "\nOne frame of each scene, but for flicker. Times are warm medians of a software rasteriser: read them as "
+         "ratios to `msaa` 8x "
          "of the same run.\n"
          "A ratio has a spread, by half of that of the repeats of either; where a claim's limit lies within it, the "
          "claim is left\n"
          "undecided there. MSE and FLIP are of display values against the reference. `S` are surfaces, `c` aggregates, "
          "`8x` samples;\n"
-         "what a setting's name does not say is the default (8 samples, `dcaa` and `hybrid` 64).\n\n";
+         "what a setting's name does not say is the default (8 samples, `dcaa` and `hybrid` 64). Published bytes are "
+         "those of "
+         "the format in\n"
+         "the paper; kept is what our passes of that form hold over the frame, lists and triangle numbers included; "
+         "allocated is the peak\n"
+         "with the images that come out and the maps.\n\n";
 }
 
 // "3. streaming: three surfaces look like 8x MSAA", and the anchor that Markdown readers make of a heading.
@@ -92,9 +99,33 @@ Measured failed_runs(const Measured& measured, const std::vector<Comparison>& co
     if (comparison.outcome == Outcome::not_held && !comparison.scene.empty()) scenes.insert(comparison.scene);
   if (scenes.empty()) return measured;
   Measured failed;
-  std::ranges::copy_if(measured.runs, std::back_inserter(failed.runs),
-                       [&](const Run& run) { return scenes.contains(run.plan.scene); });
+  std::ranges::copy_if(measured.runs, std::back_inserter(failed.runs), [&](const Run& run) {
+    return scenes.contains(run.plan.scene.substr(0, run.plan.scene.find('@')));
+  });
   return failed;
+}
+
+// A claim's comparisons: those that decide, the same at 640x360, and scenes that are none of the publication's.
+struct Judged {
+  std::vector<Comparison> comparisons, small, others;
+};
+
+Judged judge(const Claim& claim, const Measured& measured) {
+  constexpr std::uint32_t kSmall = 640;
+  Judged judged;
+  if (claim.width == 0) {
+    judged.comparisons = claim.compare(measured);
+    return judged;
+  }
+  const auto stands_in = [&](const Comparison& comparison) {
+    return claim.scenes.empty() || comparison.scene.empty() ||
+           std::ranges::find(claim.scenes, comparison.scene) != claim.scenes.end();
+  };
+  judged.comparisons = claim.compare(measured.at_width(claim.width));
+  std::erase_if(judged.comparisons, [&](const Comparison& comparison) { return !stands_in(comparison); });
+  for (const Comparison& comparison : claim.compare(measured.at_width(kSmall, true)))
+    (stands_in(comparison) ? judged.small : judged.others).push_back(comparison);
+  return judged;
 }
 
 std::string claims_markdown(const Measured& measured, const std::vector<Claim>& claims) {
@@ -103,7 +134,8 @@ std::string claims_markdown(const Measured& measured, const std::vector<Claim>& 
   std::map<Verdict, int> counts;
   for (std::size_t i = 0; i < claims.size(); ++i) {
     const Claim& claim = claims[i];
-    const std::vector<Comparison> comparisons = claim.compare(measured);
+    const Judged judged = judge(claim, measured);
+    const std::vector<Comparison>& comparisons = judged.comparisons;
     const std::string result = words(comparisons), heading = heading_of(claim, i + 1);
     ++counts[verdict(comparisons)];
     std::vector<double> values;
@@ -119,15 +151,32 @@ std::string claims_markdown(const Measured& measured, const std::vector<Claim>& 
       details += "Not measured.\n\n";
       continue;
     }
-    details += fmt::format("| {} | published | here | held |\n| --- | --- | --- | --- |\n", claim.column);
+    const bool beside = !judged.small.empty();
+    const char* const size = claim.width == 1280 ? "here, 1280x720" : claim.width == 1920 ? "here, 1920x1080" : "here";
+    details += fmt::format("| {} | published | {} | held |{}\n| --- | --- | --- | --- |{}\n", claim.column, size,
+                           beside ? " at 640x360 |" : "", beside ? " --- |" : "");
     bool failed = false;
     for (const Comparison& comparison : comparisons) {
       failed = failed || comparison.outcome == Outcome::not_held;
-      details += fmt::format("| {} | {} | {} | {} |\n", comparison.where, comparison.published, comparison.ours,
+      details += fmt::format("| {} | {} | {} | {} |", comparison.where, comparison.published, comparison.ours,
                              words(comparison.outcome));
+      if (beside) {
+        const auto small = std::ranges::find(judged.small, comparison.where, &Comparison::where);
+        details += small == judged.small.end() ? " |" : fmt::format(" {}, {} |", small->ours, words(small->outcome));
+      }
+      details += "\n";
     }
     details += fmt::format("\n{}{}.", static_cast<char>(std::toupper(result.front())), result.substr(1));
-    if (failed && claim.reason) details += fmt::format(" {}", claim.reason(failed_runs(measured, comparisons)));
+    if (!judged.others.empty()) {
+      std::vector<double> numbers;
+      for (const Comparison& other : judged.others) numbers.push_back(other.value);
+      details +=
+          fmt::format(" On scenes that the publication has nothing like, at 640x360: {} ({}).", words(judged.others),
+                      fmt::format(fmt::runtime(claim.overview), range_text(numbers, claim.number)));
+    }
+    if (failed && claim.reason)
+      details += fmt::format(
+          " {}", claim.reason(failed_runs(claim.width == 0 ? measured : measured.at_width(claim.width), comparisons)));
     details += "\n\n";
   }
   return fmt::format(
@@ -175,14 +224,16 @@ std::string scene_markdown(const Run& run, Document& document) {
     text += fmt::format("![{}: {} against error]({})\n", run.plan.scene, name, file);
   }
   text +=
-      "\n| setting | bytes/pixel, published | fitted | executions/pixel | time over `msaa` 8x | spread | ms | MSE, "
+      "\n| setting | bytes/pixel, published | kept | allocated | executions/pixel | time over `msaa` 8x | spread | ms "
+      "| MSE, "
       "1e-4 | FLIP | "
-      "on the front |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+      "on the front |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
   const FrameResult* msaa = find(run, "msaa");
   for (const FrameResult& result : run.results.results) {
     const std::string name = setting_name(result.technique, result.parameters);
-    text += fmt::format("| `{}` | {:.1f} | {:.1f} | {:.3f} | {} | {:.1f} | {:.2f} | {:.4f} | {} |\n", name,
+    text += fmt::format("| `{}` | {:.1f} | {:.1f} | {:.1f} | {:.3f} | {} | {:.1f} | {:.2f} | {:.4f} | {} |\n", name,
                         result.memory.paper_bytes_per_pixel, result.memory.fitted_bytes_per_pixel,
+                        static_cast<double>(result.memory.allocated_bytes) / (double(result.width) * result.height),
                         result.shading.per_pixel_mean,
                         msaa == nullptr   ? "|"
                         : msaa == &result ? "1.00 |"
@@ -198,7 +249,8 @@ std::string sizes_markdown(const Measured& measured) {
   for (const Run* sweep : measured.of_kind(RunKind::sweep)) {
     std::vector<const Run*> runs;
     for (const Run& run : measured.runs)
-      if (run.plan.scene == sweep->plan.scene && !run.plan.point_lights) runs.push_back(&run);
+      if (run.plan.scene == sweep->plan.scene && !run.plan.point_lights && run.plan.kind != RunKind::frames)
+        runs.push_back(&run);
     if (runs.size() < 2) continue;
     std::ranges::sort(runs, {}, [](const Run* run) { return run->plan.width; });
     std::string title = fmt::format("| {} |", sweep->plan.scene), rule = "| --- |";
@@ -229,8 +281,8 @@ std::string sizes_markdown(const Measured& measured) {
 
 Document make_document(const Measured& measured, const std::vector<Claim>& claims, const std::string& command) {
   Document document;
-  document.markdown = head(measured, command) + claims_markdown(measured, claims) + "## Who wins where\n\n" +
-                      winners_markdown(measured) + "\n" + sizes_markdown(measured) +
+  document.markdown = head(measured, command) + which_for_which_markdown(measured) + claims_markdown(measured, claims) +
+                      "## Who wins where\n\n" + winners_markdown(measured) + "\n" + sizes_markdown(measured) +
                       "## Speed and memory against error\n\n"
                       "The dashed line is the Pareto front: what lies on it has no setting beside it that is better in "
                       "one and as good in "

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <set>
 
 #include "replay/techniques/registry.hpp"
 
@@ -29,19 +31,31 @@ std::vector<const Run*> Measured::of_kind(RunKind kind) const {
   return found;
 }
 
-std::vector<const Run*> Measured::largest() const {
+namespace {
+
+bool is_still(const Run& run) {
+  return !run.plan.point_lights && run.plan.kind != RunKind::frames;
+}
+
+}  // namespace
+
+std::vector<const Run*> Measured::stills() const {
   std::vector<const Run*> found;
-  for (const Run& run : runs) {
-    if (run.plan.point_lights) continue;
-    const auto same =
-        std::ranges::find_if(found, [&](const Run* other) { return other->plan.scene == run.plan.scene; });
-    if (same == found.end()) {
-      found.push_back(&run);
-    } else if (run.plan.width * run.plan.height > (*same)->plan.width * (*same)->plan.height) {
-      *same = &run;
-    }
-  }
+  for (const Run& run : runs)
+    if (is_still(run)) found.push_back(&run);
   return found;
+}
+
+Measured Measured::at_width(std::uint32_t width, bool only) const {
+  std::set<std::string> scenes;
+  for (const Run& run : runs)
+    if (is_still(run) && run.plan.width == width) scenes.insert(run.plan.scene);
+  Measured kept;
+  std::ranges::copy_if(runs, std::back_inserter(kept.runs), [&](const Run& run) {
+    if (!is_still(run) || run.plan.width == width) return true;
+    return !only && run.plan.kind == RunKind::sweep && !scenes.contains(run.plan.scene);
+  });
+  return kept;
 }
 
 const Run* Measured::with_lights(std::string_view scene, std::uint32_t point_lights) const {
@@ -55,6 +69,15 @@ const FrameResult* find(const Run& run, std::string_view technique, const replay
   for (const FrameResult& result : run.results.results)
     if (result.technique == technique && result.parameters == wanted) return &result;
   return nullptr;
+}
+
+const PairError* find_pair(const Run& run, const replay::TechniqueRequest& test, const replay::TechniqueRequest& base) {
+  const auto whole = [](const replay::TechniqueRequest& request) {
+    return replay::TechniqueRequest{request.technique,
+                                    replay::find_technique(request.technique).with(request.parameters).values};
+  };
+  const auto found = run.pairs.find(pair_name({whole(test), whole(base)}));
+  return found == run.pairs.end() ? nullptr : &found->second;
 }
 
 Interval time_ratio(const FrameResult& result, const FrameResult& base) {

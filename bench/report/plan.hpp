@@ -10,18 +10,28 @@
 
 namespace subpixel::report {
 
-// sweep: every technique with its main parameters, what plots and most claims are made of. size: the main techniques at
-// another size. lights: what a publication timed with a number of lights of its own.
-enum class RunKind { sweep, size, lights };
+// sweep: every technique with its main parameters, what plots are made of and what claims have beside. paper: what a
+// publication's claims are judged by, at its own size. lights: what it timed with a number of lights of its own.
+// frames: several frames at a small size, for flicker.
+enum class RunKind { sweep, paper, lights, frames };
 
-// One replay of the first frame of one scene; all ratios are within one.
+// Two settings of a run whose images are compared with each other instead of with a reference.
+struct ImagePair {
+  replay::TechniqueRequest test, base;
+};
+// "streaming S=3 / forward 8x".
+std::string pair_name(const ImagePair& pair);
+
+// One replay of the first frames of one scene; all ratios are within one.
 struct RunPlan {
   RunKind kind = RunKind::sweep;
-  std::string scene;  // of `subpixel generate --list`, or "park"
+  std::string scene;  // of `subpixel generate --list`, or "park"; "grass@0.5": of that density
   std::uint32_t width = 0, height = 0;
   std::optional<std::uint32_t> point_lights;  // absent: as recorded
   std::uint32_t reference_samples = 0, repeat = 0;
   std::vector<replay::TechniqueRequest> techniques;  // every parameter filled in
+  std::uint32_t frames = 1;
+  std::vector<ImagePair> pairs = {};  // of `techniques`
 
   std::string name() const;  // "grass_640x360", "city_1280x720_lights50": the stored file without its extension
 };

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct MeasureOptions {
   std::filesystem::path folder;       // results, captures, references
   std::filesystem::path source_root;  // where the park's description is
   bool fresh = false;                 // measures again what is stored
+  std::optional<bool> timed = {};     // only runs of several repeats, or only those whose times nobody reads
   std::function<void(const std::string& line)> progress;
 };
 
@@ -23,6 +25,9 @@ struct MeasureOptions {
 // together from two calls, since its times are ratios. A scene whose models are not installed is left out and said.
 // Throws what replay and import throw.
 void measure(const std::vector<RunPlan>& plan, const MeasureOptions& options);
+
+// Whether times of the run are read: errors and counts may be measured on a busy machine.
+bool is_timed(const RunPlan& run);
 
 // What is stored of the plan. Throws InputError for a damaged file.
 Measured read_measured(const std::vector<RunPlan>& plan, const std::filesystem::path& folder);

@@ -105,6 +105,7 @@ Shading shading_from_json(const JsonField& field) {
   shading.per_pixel_mean = field.member("per_pixel_mean").number();
   const JsonField histogram = field.member("histogram");
   for (std::size_t k = 0; k < histogram.array_size(); ++k) shading.histogram.push_back(histogram.element(k).u64());
+  if (field.has("group_executions")) shading.group_executions = field.member("group_executions").u64();
   if (field.has("fragments")) {
     const JsonField fragments = field.member("fragments");
     for (const auto& item : fragments.object().items())
@@ -194,6 +195,7 @@ json to_json(const FrameResult& result) {
            {{"executions", result.shading.executions},
             {"per_pixel_mean", result.shading.per_pixel_mean},
             {"histogram", result.shading.histogram},
+            {"group_executions", result.shading.group_executions},
             {"fragments", json(result.shading.fragments)}}},
           {"error", error_to_json(result.error)},
           {"counters", json(result.counters)},

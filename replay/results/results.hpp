@@ -42,6 +42,9 @@ struct Shading {
   std::uint64_t executions = 0;  // lighting executions in the frame
   double per_pixel_mean = 0;
   std::vector<std::uint64_t> histogram;  // [k]: pixels with k executions
+  // Executions that a processor pays whose 32 lanes of 8x4 pixels wait for the pixel with the most: the sum over those
+  // groups of that number times their pixels. Crassin et al. 2016, section 5.2, argue at this granularity.
+  std::uint64_t group_executions = 0;
   // Fragments each raster pass shades, by its name: of geometry, pixels of which a triangle covers a sample, summed
   // over its triangles and the times they are drawn, before depth and alpha; of a full-screen pass, its pixels.
   std::map<std::string, std::uint64_t> fragments;

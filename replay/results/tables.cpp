@@ -135,6 +135,7 @@ std::string to_csv(const Results& results) {
                                      "shading_executions",
                                      "shading_per_pixel",
                                      "shading_histogram",
+                                     "shading_group_executions",
                                      "mse",
                                      "psnr_db",
                                      "flip_mean",
@@ -164,6 +165,7 @@ std::string to_csv(const Results& results) {
     }
     fields.push_back(csv_number(result.shading.per_pixel_mean));
     fields.push_back(fmt::format("{}", fmt::join(result.shading.histogram, ";")));
+    fields.push_back(std::to_string(result.shading.group_executions));
     for (const double value : {error.mse, error.psnr_db, error.flip_mean, error.flip_p99, error.flip_max,
                                error.hdr_rel_mse, error.flicker}) {
       fields.push_back(csv_number(value));

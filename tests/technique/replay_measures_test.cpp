@@ -68,6 +68,20 @@ TEST_F(ReplayMeasures, FragmentsOfEveryRasterPass) {
   }
 }
 
+// Pixels in groups of 8x4 wait for their busiest: every pixel has one execution in one case; in the other one group's
+// pixels have more than others.
+TEST_F(ReplayMeasures, ExecutionsOfGroups) {
+  const json full = replay("hard_fullscreen scene.spcap --frames 1 --size 61x37", "--techniques noaa,msaa");
+  for (const json& result : full.at("results")) {
+    const json& shading = result.at("shading");
+    EXPECT_EQ(shading.at("group_executions"), shading.at("executions")) << result.at("technique");
+  }
+  const json cube = replay("cube scene.spcap --frames 1 --size 61x37", "--techniques simple_complex");
+  const json& shading = cube.at("results").at(0).at("shading");
+  EXPECT_GT(shading.at("group_executions"), shading.at("executions"));
+  EXPECT_LE(shading.at("group_executions"), 8 * 61 * 37);
+}
+
 // Where every pixel has one fragment, what the passes keep can be told by hand.
 TEST_F(ReplayMeasures, MemoryIsWhatThePassesKeep) {
   const json results =

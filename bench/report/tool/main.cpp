@@ -1,7 +1,8 @@
 // Measures all techniques on all scenes and writes docs/results.md with its plots.
-//   subpixel_bench_report               everything, about half an hour on two quiet cores; goes on where it was
-//   interrupted subpixel_bench_report --quick       two scenes at 320x180, minutes; writes
-//   build/report/quick/results.md subpixel_bench_report --only-write  the page from what is stored
+//   subpixel_bench_report                everything, more than an hour on two quiet cores; goes on where it was
+//   interrupted subpixel_bench_report --only-counts  what may run on a busy machine; then --only-times on a quiet one
+//   subpixel_bench_report --quick        two scenes at 320x180, minutes; writes build/report/quick/results.md
+//   subpixel_bench_report --only-write   the page from what is stored
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -22,7 +23,7 @@ struct Arguments {
   PlanOptions plan;
   std::string size;
   std::filesystem::path folder, out;
-  bool only_write = false, fresh = false;
+  bool only_write = false, fresh = false, only_counts = false, only_times = false;
 };
 
 // What was typed, without the folders, which say nothing about the numbers.
@@ -45,8 +46,10 @@ void run(Arguments arguments) {
     arguments.out = arguments.plan.quick ? arguments.folder / "results.md" : root / "docs/results.md";
   const std::vector<RunPlan> plan = make_plan(arguments.plan);
   if (!arguments.only_write) {
-    measure(plan, {arguments.folder, root, arguments.fresh,
-                   [](const std::string& line) { fmt::print(stderr, "{}\n", line); }});
+    MeasureOptions options{arguments.folder, root, arguments.fresh, std::nullopt,
+                           [](const std::string& line) { fmt::print(stderr, "{}\n", line); }};
+    if (arguments.only_counts || arguments.only_times) options.timed = arguments.only_times;
+    measure(plan, options);
   }
   const Measured measured = read_measured(plan, arguments.folder);
   if (measured.runs.empty()) throw InputError("report", "nothing is stored", arguments.folder.string());
@@ -63,6 +66,9 @@ int main(int argc, char** argv) {
   CLI::App app("Measures all techniques on all scenes and writes docs/results.md");
   app.add_flag("--quick", arguments.plan.quick, "Two scenes at 320x180; the page goes beside the results");
   app.add_flag("--only-write", arguments.only_write, "Write the page from stored results without a replay");
+  CLI::Option* const counts = app.add_flag("--only-counts", arguments.only_counts,
+                                           "Only the runs whose times nobody reads: the machine may be busy");
+  app.add_flag("--only-times", arguments.only_times, "Only the others")->excludes(counts);
   app.add_flag("--fresh", arguments.fresh, "Measure stored runs again");
   app.add_option("--scenes", arguments.plan.scenes, "Only these: a,b")->delimiter(',');
   app.add_option("--size", arguments.size, "WIDTHxHEIGHT of the sweeps");
