@@ -16,9 +16,10 @@
 namespace subpixel::replay {
 namespace {
 
-enum class Ndf { toksvig, sggx };
+enum class Ndf { toksvig, sggx, lean };
 enum class Roughness { mean, in_normal };
 enum class Storage { fixed_point, floats };
+enum class Shadow { footprint, samples };
 
 struct AgaaParameters : CommonParameters {
   std::uint32_t aggregates = 2;
@@ -27,12 +28,20 @@ struct AgaaParameters : CommonParameters {
   Ndf ndf = Ndf::toksvig;
   Roughness roughness = Roughness::mean;
   Storage storage = Storage::fixed_point;
+  Shadow shadow = Shadow::footprint;
   std::uint32_t shadow_taps = 4;
+  bool light_variance = false;
 };
 using Setup = SetupFor<AgaaParameters>;
 
 bool sggx(const Setup& setup) {
   return setup.parameters.ndf == Ndf::sggx;
+}
+bool lean(const Setup& setup) {
+  return setup.parameters.ndf == Ndf::lean;
+}
+bool lit_colours(const Setup& setup) {
+  return setup.parameters.shadow == Shadow::samples && setup.scene.features().has(FEATURE_SHADOWS);
 }
 bool float_storage(const Setup& setup) {
   return setup.parameters.storage == Storage::floats;
@@ -43,7 +52,8 @@ bool roughness_in_normal(const Setup& setup) {
 
 std::uint32_t agaa_options(const Setup& setup) {
   return (float_storage(setup) ? AGAA_FLOAT : 0u) | (sggx(setup) ? AGAA_SGGX : 0u) |
-         (roughness_in_normal(setup) ? AGAA_ROUGHNESS_IN_NORMAL : 0u);
+         (roughness_in_normal(setup) ? AGAA_ROUGHNESS_IN_NORMAL : 0u) | (lean(setup) ? AGAA_LEAN : 0u) |
+         (lit_colours(setup) ? AGAA_LIT : 0u) | (setup.parameters.light_variance ? AGAA_LIGHT_VARIANCE : 0u);
 }
 
 std::uint32_t aggregate_words(const Setup& setup) {
@@ -58,7 +68,10 @@ MemoryLayout layout(const Setup& setup) {
   // Section 4.3 and figure 7: 16 bytes an aggregate with a mask of 8 bits, 6 bytes a sample; section 3.3 for the rest.
   MemoryLayout memory{
       {"depth", 32 * n}, {"face normals", 16 * n}, {"membership", membership * n}, {"aggregates", (120 + mask) * c}};
+  // What the options add, in whole words: six moments of 16 bits; two of 16 and three of 22 bits; two colours as above.
   if (sggx(setup)) memory.push_back({"normals' second moments", 96 * c});
+  if (lean(setup)) memory.push_back({"slopes' moments", 128 * c});
+  if (setup.parameters.shadow == Shadow::samples) memory.push_back({"sunlit colours", 64 * c});
   return memory;
 }
 
@@ -173,7 +186,8 @@ void record_generation(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
   recorder.fill("generate", *state.sums, 0);
   Frontend::GeometryPass geometry;
   geometry.by_material = true;
-  geometry.fragment_opaque = "techniques/agaa/accumulate.frag";
+  geometry.fragment_opaque =
+      lit_colours(setup) ? "techniques/agaa/accumulate.frag:LIT" : "techniques/agaa/accumulate.frag:PLAIN";
   gpu::RasterPass& pass = geometry.pass;
   pass.name = "generate";
   pass.size = {setup.width, setup.height};
@@ -185,6 +199,10 @@ void record_generation(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
         &recorder.image({.name = "no membership", .format = VK_FORMAT_R32_UINT, .usage = VK_IMAGE_USAGE_SAMPLED_BIT});
   pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(AGAA_SLOT_MEMBERSHIP, *membership),
                    gpu::writes(AGAA_SLOT_STATE, *state.table)};
+  if (lit_colours(setup))
+    pass.bindings.insert(pass.bindings.end(),
+                         {gpu::reads(FRAME_SLOT_SPOT_CONES, setup.scene.spot_cones),
+                          gpu::samples(FRAME_SLOT_SHADOW_MAP, setup.scene.shadow_map, &setup.scene.shadow_sampler)});
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
 
@@ -240,14 +258,22 @@ const Technique kAgaa = TechniqueOf<AgaaParameters>{
                              "an aggregate is only made farther than this from the others, in the paper's distance"),
                field::choice(
                    "ndf", &AgaaParameters::ndf,
-                   "distribution of normals: isotropic, by the mean's length, or anisotropic, by second moments",
-                   {{"toksvig", Ndf::toksvig}, {"sggx", Ndf::sggx}}),
+                   "distribution of normals: isotropic, by the mean's length, or anisotropic, by second moments of "
+                   "normals or of their slopes",
+                   {{"toksvig", Ndf::toksvig}, {"sggx", Ndf::sggx}, {"lean", Ndf::lean}}),
                field::choice("roughness", &AgaaParameters::roughness, "kept as a mean, or by shortening the normals",
                              {{"mean", Roughness::mean}, {"in_normal", Roughness::in_normal}}),
                field::choice("storage", &AgaaParameters::storage, "sums in the paper's fixed point, or in floats",
                              {{"fixed", Storage::fixed_point}, {"float", Storage::floats}}),
+               field::choice("shadow", &AgaaParameters::shadow,
+                             "of the sun: looked up over an aggregate's footprint, or for each sample before its "
+                             "colours are added up",
+                             {{"footprint", Shadow::footprint}, {"samples", Shadow::samples}}),
                field::integer("shadow_taps", &AgaaParameters::shadow_taps, field::one_of({1, 2, 4, 8}),
                               "points of an aggregate's footprint at which its shadow is looked up"),
+               field::condition(
+                   "light_variance", &AgaaParameters::light_variance,
+                   "the spread of a light's directions over an aggregate widens its distribution of normals"),
                field::alpha(), field::resolve(), field::shading()},
     .maps = {{"aggregates", "Aggregates", "aggregates", AGAA_MAX_AGGREGATES},
              {"normal_variance", "Variance of normals within aggregates", "thousandths", 1000},

@@ -28,17 +28,19 @@ struct AgaaTestClusterPush {
 };
 
 struct AgaaTestSurface {
-  vec4 normal_roughness, albedo_metallic, emission;
+  vec4 normal_roughness, albedo_metallic, emission;  // emission.w: the fraction of light that arrives
+  vec4 position;  // on one line through their mean, 0
 };
 
 struct AgaaTestResult {
   vec4 normal_roughness, diffuse_mask, reflectance, emission, moments, mixed_moments;  // mask: its bits
+  vec4 slopes, slope_moments, lit_diffuse, lit_reflectance;
   vec4 filtered, brute, plain;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(AgaaTestSurface) == 48);
-static_assert(sizeof(AgaaTestResult) == 144);
+static_assert(sizeof(AgaaTestSurface) == 64);
+static_assert(sizeof(AgaaTestResult) == 208);
 }  // namespace subpixel::gpu_types
 #endif
 #endif

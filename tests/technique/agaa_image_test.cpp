@@ -22,6 +22,12 @@ TEST(Agaa, LayoutIsThatOfThePaper) {
   EXPECT_NEAR(1 - bytes(32, 2) / (16 * 32), 0.543, 0.0005);
   EXPECT_EQ(bytes(8, 1), 16 + 6 * 8);
   EXPECT_EQ(bytes(8, 4), 4 * 16 + 6 * 8 + 2);  // figure 5: two bytes say which of four aggregates
+  const auto more = [&](const char* parameter, const char* value) {
+    return run_technique(capture, "agaa", {{parameter, value}}, 4, 4).paper_bytes_per_pixel - bytes(8, 2);
+  };
+  EXPECT_EQ(more("ndf", "sggx"), 2 * 12);
+  EXPECT_EQ(more("ndf", "lean"), 2 * 16);
+  EXPECT_EQ(more("shadow", "samples"), 2 * 8);
 }
 
 TEST(Agaa, IsNearBruteForceAndNearerWithMoreAggregates) {
@@ -50,7 +56,10 @@ TEST(Agaa, VariantsAgree) {
     expect_valid(plain, 2);
     for (const ParameterValues& variant :
          {ParameterValues{{"storage", "float"}}, ParameterValues{{"ndf", "sggx"}},
-          ParameterValues{{"ndf", "sggx"}, {"storage", "float"}}, ParameterValues{{"shadow_taps", 8}}}) {
+          ParameterValues{{"ndf", "sggx"}, {"storage", "float"}}, ParameterValues{{"shadow_taps", 8}},
+          ParameterValues{{"ndf", "lean"}}, ParameterValues{{"ndf", "lean"}, {"storage", "float"}},
+          ParameterValues{{"light_variance", true}}, ParameterValues{{"light_variance", true}, {"ndf", "lean"}},
+          ParameterValues{{"shadow", "samples"}}, ParameterValues{{"shadow", "samples"}, {"storage", "float"}}}) {
       ParameterValues given = variant;
       given["samples"] = samples;
       const TechniqueRun run = run_technique(little_grass(), "agaa", given, kWidth, kHeight);
@@ -81,13 +90,14 @@ TEST(Agaa, SkyAloneIsNotShaded) {
 
 TEST(Agaa, SameBitsFromAnyNumberOfThreads) {
   expect_same_on_all_threads("agaa", {{"storage", "float"}, {"ndf", "sggx"}, {"aggregates", 3}});
+  expect_same_on_all_threads("agaa", {{"ndf", "lean"}, {"shadow", "samples"}, {"light_variance", true}});
 }
 
 TEST(Agaa, RefusesWhatItCannotDo) {
   for (const ParameterValues& wrong :
        {ParameterValues{{"aggregates", 0}}, ParameterValues{{"aggregates", 5}}, ParameterValues{{"samples", 64}},
-        ParameterValues{{"length", 0}}, ParameterValues{{"separation", -1}}, ParameterValues{{"ndf", "lean"}},
-        ParameterValues{{"storage", "half"}}, ParameterValues{{"shadow_taps", 3}}})
+        ParameterValues{{"length", 0}}, ParameterValues{{"separation", -1}}, ParameterValues{{"ndf", "beckmann"}},
+        ParameterValues{{"shadow", "none"}}, ParameterValues{{"storage", "half"}}, ParameterValues{{"shadow_taps", 3}}})
     expect_refused("agaa", wrong);
 }
 
@@ -170,6 +180,18 @@ TEST(Agaa, ShadowOfAFootprintIsThatOfItsSamples) {
   const double one = error(1), four = error(4), eight = error(8);
   EXPECT_LT(four, one);
   EXPECT_LT(eight, 1.02 * four);
+}
+
+TEST(Agaa, ShadowsOfSamplesAreNearerBruteForceWhereColoursChangeWithThem) {
+  // Section 6: sunlit leaves before a red wall in shadow share an aggregate.
+  const capture::Capture leaves = capture::generate("agaa_correlation", {1, 96, 54, 1, 1});
+  const TechniqueRun msaa = run_technique(leaves, "msaa", {{"samples", 8}}, 96, 54);
+  const auto error = [&](const char* shadow) {
+    const TechniqueRun run = run_technique(leaves, "agaa", {{"aggregates", 1}, {"shadow", shadow}}, 96, 54);
+    expect_valid(run, 1);
+    return mean_squared_difference(run, msaa);
+  };
+  EXPECT_LT(error("samples"), 0.3 * error("footprint"));
 }
 
 TEST(Agaa, AlphaIsDecidedByVisibilityAlone) {

@@ -20,20 +20,28 @@ namespace subpixel::gpu_types {
 #define AGAA_SGGX 2u                 // second moments of the normals as well
 #define AGAA_ROUGHNESS_IN_NORMAL 4u  // roughness shortens the normals, and is not kept by itself
 #define AGAA_DISTANCE_ALONG_VIEW 8u  // face normals: the eye looks along +z of view space
+#define AGAA_LEAN 16u                // moments of the normals' slopes as well; not with AGAA_SGGX
+#define AGAA_LIGHT_VARIANCE 32u      // the spread of a light's directions widens the distribution of normals
+#define AGAA_LIT 64u                 // colours multiplied by each sample's shadow as well
 
 #define AGAA_SLOT_STATE 0       // storage: AgaaState
 #define AGAA_SLOT_MEMBERSHIP 1  // sampled: bits 0 and 1 of every sample's aggregate
 
 // An aggregate's words (aggregate.glsl): in fixed point three, one more with metal and one more for a mask of over 8
-// samples; or eleven floats. Then its emission, then the second moments of its normals.
+// samples; or eleven floats. Then its emission, then the moments of its normals or of their slopes, then its sunlit colours.
 #define AGAA_FIXED_WORDS(samples, features) (3u + BIT_OF(features, FEATURE_METAL) + ((samples) > 8u ? 1u : 0u))
 #define AGAA_EMISSION_WORD(samples, features, options) \
   (((options) & AGAA_FLOAT) != 0u ? 11u : AGAA_FIXED_WORDS(samples, features))
 #define AGAA_MOMENTS_WORD(samples, features, options) \
   (AGAA_EMISSION_WORD(samples, features, options) + 3u * BIT_OF(features, FEATURE_EMISSIVE))
-#define AGAA_MOMENTS_WORDS(options) (((options) & AGAA_SGGX) == 0u ? 0u : (((options) & AGAA_FLOAT) != 0u ? 6u : 3u))
-#define AGAA_WORDS(samples, features, options) \
+#define AGAA_MOMENTS_WORDS(options)                                                                 \
+  (((options) & AGAA_SGGX) != 0u ? (((options) & AGAA_FLOAT) != 0u ? 6u : 3u)                        \
+                                 : (((options) & AGAA_LEAN) != 0u ? (((options) & AGAA_FLOAT) != 0u ? 5u : 4u) : 0u))
+#define AGAA_LIT_WORD(samples, features, options) \
   (AGAA_MOMENTS_WORD(samples, features, options) + AGAA_MOMENTS_WORDS(options))
+#define AGAA_WORDS(samples, features, options) \
+  (AGAA_LIT_WORD(samples, features, options) + \
+   (((options) & AGAA_LIT) == 0u ? 0u : (((options) & AGAA_FLOAT) != 0u ? 6u : 2u)))
 
 BUFFER_REFERENCE(AggregateSums)
 BUFFER_REFERENCE(Hulls)

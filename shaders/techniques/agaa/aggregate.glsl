@@ -3,7 +3,8 @@
 //   word 0: normal x, y, 16 bits each                     word 1: normal z 16, luma of the specular colour 16
 //   word 2: diffuse colour, 3 x 10 bits                   word 3: chroma of the specular colour 2 x 8, roughness 8, mask 8
 // Without metal nothing but roughness and mask is left of word 3, and they lie in the upper half of word 1;
-// then the mask, where it has more than 8 bits; the emission, 3 words; the normals' second moments, 6 x 16 bits.
+// then the mask, where it has more than 8 bits; the emission, 3 words; the normals' second moments, 6 x 16 bits, or of their
+// slopes the first moments, 2 x 16 bits, and the second, 3 words; diffuse and specular colour where the sun reaches, each as above.
 // The paper's 8 bits of emission are one scalar; ours has a colour and no upper bound, so those bits hold the roughness instead.
 // Every field is a sum of values in [0, 1] weighted by samples / n. Its full scale leaves room for the sum's rounding, so that no
 // field carries into the next, and is a multiple of 2 n, so that 0 and 1/2 (a grey's chroma, a normal's 0) stay exact.
@@ -21,7 +22,7 @@ layout(constant_id = AGAA_CONSTANT_OPTIONS) const uint AGAA_OPTIONS = 0u;
 
 bool agaa_option(uint option) { return (AGAA_OPTIONS & option) != 0u; }
 
-#define AGAA_MAX_WORDS 20
+#define AGAA_MAX_WORDS 26
 const uint kFloatStorage = AGAA_OPTIONS & AGAA_FLOAT;
 const uint kMetal = BIT_OF(FEATURES, FEATURE_METAL);
 const uint kByteWord = kMetal != 0u ? 3u : 1u;  // bits 16 to 23 are the roughness, 24 to 31 a mask of 8 samples
@@ -29,6 +30,7 @@ const uint kWideMask = SAMPLES > 8u ? 1u : 0u;
 const uint kMaskWord = kFloatStorage != 0u ? 10u : (kWideMask != 0u ? 3u + kMetal : kByteWord);
 const uint kEmissionWord = AGAA_EMISSION_WORD(SAMPLES, FEATURES, AGAA_OPTIONS);
 const uint kMomentsWord = AGAA_MOMENTS_WORD(SAMPLES, FEATURES, AGAA_OPTIONS);
+const uint kLitWord = AGAA_LIT_WORD(SAMPLES, FEATURES, AGAA_OPTIONS);
 const uint kAggregateWords = AGAA_WORDS(SAMPLES, FEATURES, AGAA_OPTIONS);
 
 struct Aggregate {
@@ -38,6 +40,9 @@ struct Aggregate {
   float roughness;    // perceptual; mean
   vec3 emissive;
   vec3 moments, mixed_moments;  // E[xx, yy, zz], E[xy, xz, yz] of the normals
+  vec2 slope;                   // E[x, y] and
+  vec3 slope_moments;           // E[xx, xy, yy] of the normals' slopes in slope_frame()
+  vec3 lit_diffuse, lit_reflectance;  // mean colours times the lit fraction of each sample
   uint mask;
 };
 
@@ -55,6 +60,33 @@ float alpha_squared_of_roughness(float roughness) {
 float length_of_roughness(float roughness) {
   float exponent = max(exponent_of(alpha_squared_of_roughness(roughness)), 0.25);
   return exponent / (exponent + 1.0);
+}
+
+// Unit vectors at right angles to the unit vector `axis` and to each other. Duff et al. 2017, "Building an orthonormal basis,
+// revisited".
+void tangents_of(vec3 axis, out vec3 tangent, out vec3 bitangent) {
+  float side = axis.z < 0.0 ? -1.0 : 1.0;
+  float p = -1.0 / (side + axis.z), q = axis.x * axis.y * p;
+  tangent = vec3(1.0 + side * axis.x * axis.x * p, side * q, -side * axis.x);
+  bitangent = vec3(q, side + axis.y * axis.y * p, -axis.y);
+}
+
+// LEAN mapping (Olano and Baker 2010; AGAA paper, section 3.4.1) keeps moments of slopes, which add up in one frame only: here
+// that of the direction to the eye, which visible faces are turned to. Columns are its tangents and itself, world space. Built in
+// view space, where no direction to the eye is near the tangents' jump.
+mat3 slope_frame(vec3 to_eye) {
+  mat3 view = mat3(frame.view);
+  vec3 axis = view * to_eye, tangent, bitangent;
+  tangents_of(axis, tangent, bitangent);
+  return transpose(view) * mat3(tangent, bitangent, axis);
+}
+
+// Slopes are shortened to this, 76 degrees from the eye; interpolated normals can be turned away from it.
+const float kLargestSlope = 4.0;
+
+vec2 slope_of(vec3 normal, mat3 axes) {
+  vec3 n = normal * axes;
+  return n.xy / max(max(n.z, length(n.xy) / kLargestSlope), 1e-6);
 }
 
 float fixed_scale(uint bits) {
@@ -87,8 +119,9 @@ struct AggregateWords {
   uint word[AGAA_MAX_WORDS];
 };
 
-// What a fragment of surface `s`, seen in the samples of `mask`, adds. `inverse_emission`: 1 / the largest emission of the scene.
-AggregateWords fragment_words(Surface s, uint mask, uint first_sample, float inverse_emission) {
+// What a fragment of surface `s`, seen in the samples of `mask`, adds. `to_eye`: unit vector; `lit`: the fraction of the sun that
+// arrives in those samples; `inverse_emission`: 1 / the largest emission of the scene.
+AggregateWords fragment_words(Surface s, vec3 to_eye, float lit, uint mask, uint first_sample, float inverse_emission) {
   float weight = float(int(bitCount(mask))) / float(SAMPLES);
   vec3 albedo = clamp(s.albedo, 0.0, 1.0);
   float metallic = has_feature(FEATURE_METAL) ? clamp(s.metallic, 0.0, 1.0) : 0.0;
@@ -96,6 +129,8 @@ AggregateWords fragment_words(Surface s, uint mask, uint first_sample, float inv
   vec3 reflectance = mix(vec3(kDielectricReflectance), albedo, metallic);
   vec3 n = s.normal;
   vec3 moments = n * n, mixed = n.xxy * n.yzz;
+  vec2 slope = agaa_option(AGAA_LEAN) ? slope_of(n, slope_frame(to_eye)) : vec2(0.0);
+  vec3 slope_moments = slope.xxy * slope.xyy;
   if (agaa_option(AGAA_ROUGHNESS_IN_NORMAL)) n *= length_of_roughness(s.roughness);
   AggregateWords words;
   for (uint i = 0u; i < AGAA_MAX_WORDS; ++i) words.word[i] = 0u;
@@ -109,6 +144,15 @@ AggregateWords fragment_words(Surface s, uint mask, uint first_sample, float inv
         words.word[kMomentsWord + c] = floatBitsToUint(moments[c] * weight);
         words.word[kMomentsWord + 3u + c] = floatBitsToUint(mixed[c] * weight);
       }
+      if (agaa_option(AGAA_LEAN)) words.word[kMomentsWord + 2u + c] = floatBitsToUint(slope_moments[c] * weight);
+      if (agaa_option(AGAA_LIT)) {
+        words.word[kLitWord + c] = floatBitsToUint(diffuse[c] * (lit * weight));
+        words.word[kLitWord + 3u + c] = floatBitsToUint(reflectance[c] * (lit * weight));
+      }
+    }
+    if (agaa_option(AGAA_LEAN)) {
+      words.word[kMomentsWord] = floatBitsToUint(slope.x * weight);
+      words.word[kMomentsWord + 1u] = floatBitsToUint(slope.y * weight);
     }
     words.word[9] = floatBitsToUint(s.roughness * weight);
     words.word[kMaskWord] = mask;
@@ -138,6 +182,26 @@ AggregateWords fragment_words(Surface s, uint mask, uint first_sample, float inv
       words.word[kMomentsWord + c] = fixed_field(moments[c], 16u, weight, dither) |
                                      fixed_field(mixed[c] * 0.5 + 0.5, 16u, weight, dither) << 16;
   }
+  if (agaa_option(AGAA_LEAN)) {
+    vec2 part = slope * (0.5 / kLargestSlope) + 0.5;
+    words.word[kMomentsWord] =
+        fixed_field(part.x, 16u, weight, dither) | fixed_field(part.y, 16u, weight, dither) << 16;
+    vec3 square = slope_moments * (1.0 / (kLargestSlope * kLargestSlope));
+    square.y = square.y * 0.5 + 0.5;
+    for (uint c = 0u; c < 3u; ++c) words.word[kMomentsWord + 1u + c] = fixed_field(square[c], 22u, weight, dither);
+  }
+  if (agaa_option(AGAA_LIT)) {
+    vec3 lit_diffuse = diffuse * lit;
+    float y = luma(reflectance * lit);
+    vec2 cbcr = chroma(reflectance * lit, y) + 0.5;
+    words.word[kLitWord] = fixed_field(lit_diffuse.x, 10u, weight, dither) |
+                           fixed_field(lit_diffuse.y, 10u, weight, dither) << 10 |
+                           fixed_field(lit_diffuse.z, 10u, weight, dither) << 20;
+    words.word[kLitWord + 1u] = fixed_field(y, 16u, weight, dither) << 16;
+    if (has_feature(FEATURE_METAL))
+      words.word[kLitWord + 1u] |=
+          fixed_field(cbcr.x, 8u, weight, dither) | fixed_field(cbcr.y, 8u, weight, dither) << 8;
+  }
   return words;
 }
 
@@ -157,6 +221,8 @@ Aggregate aggregate_of_words(AggregateWords words, float roughness, float larges
   a.emissive = vec3(0.0);
   a.moments = vec3(1.0 / 3.0);
   a.mixed_moments = vec3(0.0);
+  a.slope = vec2(0.0);
+  a.slope_moments = vec3(0.0);
   a.roughness = roughness;
   if (agaa_option(AGAA_FLOAT)) {
     for (uint c = 0u; c < 3u; ++c) {
@@ -168,7 +234,14 @@ Aggregate aggregate_of_words(AggregateWords words, float roughness, float larges
         a.moments[c] = uintBitsToFloat(words.word[kMomentsWord + c]) * each;
         a.mixed_moments[c] = uintBitsToFloat(words.word[kMomentsWord + 3u + c]) * each;
       }
+      if (agaa_option(AGAA_LEAN)) a.slope_moments[c] = uintBitsToFloat(words.word[kMomentsWord + 2u + c]) * each;
+      if (agaa_option(AGAA_LIT)) {
+        a.lit_diffuse[c] = uintBitsToFloat(words.word[kLitWord + c]) * each;
+        a.lit_reflectance[c] = uintBitsToFloat(words.word[kLitWord + 3u + c]) * each;
+      }
     }
+    if (agaa_option(AGAA_LEAN))
+      a.slope = uintBitsToFloat(uvec2(words.word[kMomentsWord], words.word[kMomentsWord + 1u])) * each;
     a.roughness = uintBitsToFloat(words.word[9]) * each;
   } else {
     float unit16 = each / fixed_scale(16u), unit10 = each / fixed_scale(10u), unit8 = each / fixed_scale(8u);
@@ -193,6 +266,21 @@ Aggregate aggregate_of_words(AggregateWords words, float roughness, float larges
         a.moments[c] = float(int(word & 0xffffu)) * unit16;
         a.mixed_moments[c] = float(int(word >> 16)) * (2.0 * unit16) - 1.0;
       }
+      if (agaa_option(AGAA_LEAN))
+        a.slope_moments[c] = float(int(words.word[kMomentsWord + 1u + c])) * (each / fixed_scale(22u));
+    }
+    if (agaa_option(AGAA_LEAN)) {
+      uint word = words.word[kMomentsWord];
+      a.slope = (vec2(ivec2(word & 0xffffu, word >> 16)) * (2.0 * unit16) - 1.0) * kLargestSlope;
+      a.slope_moments.y = a.slope_moments.y * 2.0 - 1.0;
+      a.slope_moments *= kLargestSlope * kLargestSlope;
+    }
+    if (agaa_option(AGAA_LIT)) {
+      uint word = words.word[kLitWord], specular = words.word[kLitWord + 1u];
+      a.lit_diffuse = min(vec3(ivec3(uvec3(word, word >> 10, word >> 20) & 0x3ffu)) * unit10, 1.0);
+      float y = float(int(specular >> 16)) * unit16;
+      vec2 cbcr = vec2(ivec2(specular & 255u, specular >> 8 & 255u)) * unit8 - 0.5;
+      a.lit_reflectance = y > 0.0 ? (has_feature(FEATURE_METAL) ? colour_of(y, cbcr) : vec3(y)) : vec3(0.0);
     }
   }
   float square = dot(a.normal, a.normal);
