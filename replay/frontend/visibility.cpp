@@ -115,17 +115,37 @@ SmallTriangles choose_small_triangles(const FrontendFrame& frame) {
   return in_lists ? SmallTriangles::in_lists : SmallTriangles::as_hulls;
 }
 
+gpu::Image& visibility_image(gpu::PassRecorder& recorder, const FrontendFrame& frame) {
+  const std::uint32_t samples = frame.frontend.samples();
+  const std::uint32_t layers = samples < 4 ? 1 : samples / 2;
+  return recorder.image(
+      {"visibility", kTexel, frame.width, frame.height, 1, layers, VK_SAMPLE_COUNT_1_BIT,
+       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
+}
+
+void attach_visibility(gpu::RasterPass& pass, gpu::Image& image, std::uint32_t group, std::uint32_t g) {
+  constexpr std::uint32_t kNone = SUBPIXEL_NO_TRIANGLE;
+  pass.pipeline.targets.ordered_read = true;
+  pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, g);
+  if (group < 4) {
+    pass.colours = {{image, 0}};
+    pass.clear_colours = {{0, group == 1 ? kNone : 0, kNone, kNone}};
+    return;
+  }
+  const Layers layers = layers_of(group, g);
+  for (std::uint32_t layer = 0; layer < layers.count; ++layer) {
+    pass.colours.emplace_back(image, layers.first + layer);
+    pass.clear_colours.push_back(layer < layers.count / 2 ? std::array<std::uint32_t, 4>{}
+                                                          : std::array<std::uint32_t, 4>{kNone, kNone, kNone, kNone});
+  }
+}
+
 gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrontendFrame& frame) {
   const std::uint32_t samples = frame.frontend.samples();
   const std::uint32_t group = visibility_group(samples);
-  const std::uint32_t quads = group / 4;  // 0 for one and two samples, whose depths and triangles share a texel
-  const std::uint32_t layers = quads == 0 ? 1 : samples / 2;
-  gpu::Image& image = recorder.image(
-      {"visibility", kTexel, frame.width, frame.height, 1, layers, VK_SAMPLE_COUNT_1_BIT,
-       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
+  gpu::Image& image = visibility_image(recorder, frame);
   std::optional<SmallLists> lists;
   if (frame.small == SmallTriangles::in_lists) lists = record_small_lists(recorder, frame);
-  constexpr std::uint32_t kNone = SUBPIXEL_NO_TRIANGLE;
   for (std::uint32_t g = 0; g < samples / group; ++g) {
     if (lists) record_small_triangles(recorder, frame, image, *lists, group, g);
     Frontend::GeometryPass geometry;
@@ -136,20 +156,9 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrontendFrame& 
     geometry.fragment_opaque = "frontend/visibility.frag:" + variant;
     geometry.fragment_alpha = "frontend/visibility.frag:" + variant + "A";
     pass.pipeline.constants = {{CONSTANT_ALPHA_MODE, static_cast<std::uint32_t>(frame.alpha)},
-                               {CONSTANT_SAMPLE_GROUP, g},
                                {FRONTEND_CONSTANT_AFTER_SMALL, lists ? 1 : 0}};
-    pass.pipeline.targets.ordered_read = true;
     pass.pipeline.targets.clear = !lists;
-    if (quads == 0) {
-      pass.colours = {{image, 0}};
-      pass.clear_colours = {{0, group == 1 ? kNone : 0, kNone, kNone}};
-    } else {
-      for (std::uint32_t layer = 0; layer < 2 * quads; ++layer) {
-        pass.colours.emplace_back(image, g * 2 * quads + layer);
-        pass.clear_colours.push_back(layer < quads ? std::array<std::uint32_t, 4>{}
-                                                   : std::array<std::uint32_t, 4>{kNone, kNone, kNone, kNone});
-      }
-    }
+    attach_visibility(pass, image, group, g);
     frame.frontend.record_geometry(recorder, std::move(geometry));
   }
   frame.frontend.record_visible(recorder, image);

@@ -13,6 +13,12 @@ SmallTriangles choose_small_triangles(const FrontendFrame& frame);
 // (RGBA32UI array, layers as shaders/include/visibility.glsl reads them), of 1, 2, 4, 8, 16, 32 or 64 samples.
 gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrontendFrame& frame);
 
+// The image by itself, not filled.
+gpu::Image& visibility_image(gpu::PassRecorder& recorder, const FrontendFrame& frame);
+// Makes its layers of sample group `g` the attachments of `pass`, whose shader includes nearest_samples.glsl with
+// GROUP = `group` samples.
+void attach_visibility(gpu::RasterPass& pass, gpu::Image& image, std::uint32_t group, std::uint32_t g);
+
 // Samples in one pass of visibility.frag for an n-sample pattern.
 std::uint32_t visibility_group(std::uint32_t samples);
 

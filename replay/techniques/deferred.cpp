@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "replay/frontend/list_passes.hpp"
+#include "replay/frontend/visibility.hpp"
 #include "shaders/deferred/deferred_interface.h"
 #include "shaders/shade/shade_interface.h"
 
@@ -44,6 +45,45 @@ void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::I
   pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility)};
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
+
+SampleImages record_gbuffer_in_order(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  gpu::Image& visibility = visibility_image(recorder, setup);
+  gpu::Image& gbuffer =
+      recorder.image({"G-buffer", VK_FORMAT_R32G32B32A32_UINT, setup.width, setup.height, 1, setup.samples,
+                      VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
+  gpu::Buffer& written = recorder.buffer("fragments written", std::uint64_t{setup.width} * setup.height * 4);
+  recorder.fill("gbuffer", written, 0);
+  const std::uint32_t group = visibility_group(setup.samples);
+  for (std::uint32_t g = 0; g < setup.samples / group; ++g) {
+    Frontend::GeometryPass geometry;
+    geometry.by_material = true;
+    geometry.fragment_opaque = "deferred/gbuffer_in_order.frag:" + std::to_string(group);
+    gpu::RasterPass& pass = geometry.pass;
+    pass.name = "gbuffer";
+    pass.pipeline.constants = common_constants(setup);
+    pass.pipeline.targets.clear = true;
+    attach_visibility(pass, visibility, group, g);
+    pass.bindings = {gpu::image_writes(DEFERRED_SLOT_SAMPLES, gbuffer), gpu::writes(DEFERRED_SLOT_WRITTEN, written)};
+    setup.frontend.record_geometry(recorder, std::move(geometry));
+  }
+  gpu::RasterPass maps = fullscreen_pass(setup, "maps", "deferred/written_map.frag");
+  maps.colours = make_maps(recorder, setup, {"written"});
+  maps.bindings.push_back(gpu::reads(DEFERRED_SLOT_WRITTEN, written));
+  recorder.host(once(run_pass(recorder.device(), std::move(maps))));
+  return {visibility, gbuffer};
+}
+
+MapDescription written_map() {
+  return {"written", "Fragments stored, hidden later or not", "fragments", 16};
+}
+
+namespace field {
+Field<PrepassParameters> prepass() {
+  return condition("prepass", &PrepassParameters::prepass,
+                   "visibility is found before attributes are evaluated; false: both in one pass in submission order, "
+                   "which pays for what is hidden later; the same image");
+}
+}  // namespace field
 
 gpu::Image& sum_image(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   constexpr VkImageUsageFlags kUsage =

@@ -20,6 +20,23 @@ gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, 
 void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, gpu::Image& gbuffer,
                     std::uint32_t group);
 
+// Both at once, without a depth pass before: fragments come in submission order and store their surfaces over those of
+// samples that they hide, so what is hidden later is paid for. Leaves what record_visibility() and record_gbuffer()
+// leave for all samples, at least 4, each in 16 bytes; passes "gbuffer". The map and the counter "written" say how many
+// fragments have stored something, above 16 samples once for each 16.
+struct SampleImages {
+  gpu::Image &visibility, &gbuffer;
+};
+SampleImages record_gbuffer_in_order(gpu::PassRecorder& recorder, const FrameSetup& setup);
+MapDescription written_map();
+
+struct PrepassParameters : CommonParameters {
+  bool prepass = true;
+};
+namespace field {
+Field<PrepassParameters> prepass();
+}
+
 // RGBA32F sum over samples; rgb resolvable values, a lighting executions. Also usable as a storage image.
 gpu::Image& sum_image(gpu::PassRecorder& recorder, const FrameSetup& setup);
 // A full-screen pass that reads the scene's lights. Bindings beyond those are the caller's.

@@ -29,6 +29,16 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   record_resolve(recorder, setup, sum);
 }
 
+void record_msaa(gpu::PassRecorder& recorder, const SetupFor<PrepassParameters>& setup) {
+  if (setup.parameters.prepass) return record(recorder, setup);
+  setup.frontend.record_setup(recorder);
+  const auto [visibility, gbuffer] = record_gbuffer_in_order(recorder, setup);
+  gpu::Image& sum = sum_image(recorder, setup);
+  for (std::uint32_t group = 0; group < setup.samples / gbuffer_group(setup.samples); ++group)
+    record_sample_shading(recorder, setup, visibility, gbuffer, sum, group);
+  record_resolve(recorder, setup, sum);
+}
+
 }  // namespace
 
 extern const Technique kNoaa, kMsaa;
@@ -43,14 +53,15 @@ const Technique kNoaa = TechniqueOf<NoaaParameters>{
     .record = record,
 };
 
-const Technique kMsaa = TechniqueOf<CommonParameters>{
+const Technique kMsaa = TechniqueOf<PrepassParameters>{
     .name = "msaa",
     .title = "Deferred MSAA, every sample shaded",
     .paper = "",
-    .fields = {field::samples({4, 8, 16, 32, 64}), field::alpha(), field::resolve(), field::shading()},
-    .maps = {},
+    .fields = {field::samples({4, 8, 16, 32, 64}), field::prepass(), field::alpha(), field::resolve(),
+               field::shading()},
+    .maps = {written_map()},
     .layout = layout,
-    .record = record,
+    .record = record_msaa,
 };
 
 }  // namespace subpixel::replay

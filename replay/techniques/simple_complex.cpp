@@ -9,7 +9,7 @@
 namespace subpixel::replay {
 namespace {
 
-struct SimpleComplexParameters : CommonParameters {
+struct SimpleComplexParameters : PrepassParameters {
   double depth_threshold = 1, normal_threshold = 0.99;
   bool compact = true;
 };
@@ -39,12 +39,18 @@ gpu::Image& record_classification(gpu::PassRecorder& recorder, const Setup& setu
   return flags;
 }
 
-void record(gpu::PassRecorder& recorder, const Setup& setup) {
-  setup.frontend.record_setup(recorder);
+SampleImages record_samples(gpu::PassRecorder& recorder, const Setup& setup) {
   gpu::Image& visibility = record_visibility(recorder, setup);
   gpu::Image& gbuffer = gbuffer_image(recorder, setup, true);
   for (std::uint32_t group = 0; group < setup.samples / gbuffer_group(setup.samples); ++group)
     record_gbuffer(recorder, setup, visibility, gbuffer, group);
+  return {visibility, gbuffer};
+}
+
+void record(gpu::PassRecorder& recorder, const Setup& setup) {
+  setup.frontend.record_setup(recorder);
+  const auto [visibility, gbuffer] =
+      setup.parameters.prepass ? record_samples(recorder, setup) : record_gbuffer_in_order(recorder, setup);
   gpu::Image& flags = record_classification(recorder, setup, visibility, gbuffer);
   gpu::Image& sum = sum_image(recorder, setup);
   const bool compact = setup.parameters.compact;
@@ -95,8 +101,8 @@ const Technique kSimpleComplex = TechniqueOf<SimpleComplexParameters>{
                field::condition("compact", &SimpleComplexParameters::compact,
                                 "complex pixels are gathered in a list and shaded in a pass of their own; the image is "
                                 "the same without"),
-               field::alpha(), field::resolve(), field::shading()},
-    .maps = {{"complex", "Complex pixels", "shaded per sample", 1}},
+               field::prepass(), field::alpha(), field::resolve(), field::shading()},
+    .maps = {{"complex", "Complex pixels", "shaded per sample", 1}, written_map()},
     .layout = layout,
     .record = record,
 };

@@ -1,4 +1,4 @@
-// Slots of the passes that gather flagged pixels in a list.
+// Slots of the passes that gather flagged pixels in a list, and of those that store full samples in submission order.
 #ifndef SUBPIXEL_DEFERRED_INTERFACE_H
 #define SUBPIXEL_DEFERRED_INTERFACE_H
 
@@ -9,6 +9,9 @@
 #define DEFERRED_SLOT_TILE_COUNTS 1
 #define DEFERRED_SLOT_PIXEL_LIST 2  // pixel_list.glsl
 #define DEFERRED_SLOT_GROUPS 3      // of an indirect dispatch
+#define DEFERRED_SLOT_WRITTEN 4     // by pixel, fragments that stored some sample
+// Storage images.
+#define DEFERRED_SLOT_SAMPLES 0
 // Sampled.
 #define DEFERRED_SLOT_FLAGS 1
 
