@@ -9,6 +9,7 @@
 #include "replay/frontend/list_passes.hpp"
 #include "replay/frontend/visibility.hpp"
 #include "shaders/deferred/deferred_interface.h"
+#include "shaders/frontend/frontend_interface.h"
 #include "shaders/shade/shade_interface.h"
 
 namespace subpixel::replay {
@@ -61,6 +62,7 @@ SampleImages record_gbuffer_in_order(gpu::PassRecorder& recorder, const FrameSet
     gpu::RasterPass& pass = geometry.pass;
     pass.name = "gbuffer";
     pass.pipeline.constants = common_constants(setup);
+    pass.pipeline.constants.emplace_back(FRONTEND_CONSTANT_AFTER_SMALL, 0);
     pass.pipeline.targets.clear = true;
     attach_visibility(pass, visibility, group, g);
     pass.bindings = {gpu::image_writes(DEFERRED_SLOT_SAMPLES, gbuffer), gpu::writes(DEFERRED_SLOT_WRITTEN, written)};

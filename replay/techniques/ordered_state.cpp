@@ -30,12 +30,13 @@ gpu::AddressTable& address_of(gpu::PassRecorder& recorder, gpu::Buffer& buffer) 
 void OrderedState::bind(gpu::RasterPass& pass) const {
   pass.bindings.push_back(image != nullptr ? gpu::samples(ORDERED_SLOT_ATTACHMENTS, *image)
                                            : gpu::reads(ORDERED_SLOT_ADDRESS, *address));
+  if (entries != nullptr) pass.bindings.push_back(gpu::reads(ORDERED_SLOT_ENTRIES, *entries_address));
 }
 
 OrderedState make_ordered_state(gpu::PassRecorder& recorder, const FrameSetup& setup, const std::string& name,
-                                std::uint32_t quads, bool from_lists) {
+                                std::uint32_t quads, bool in_buffer) {
   OrderedState state;
-  if (quads <= ORDERED_MOST_ATTACHMENTS && !from_lists) {
+  if (quads <= ORDERED_MOST_ATTACHMENTS && !in_buffer) {
     state.image = &target_array(recorder, setup, name, VK_FORMAT_R32G32B32A32_UINT,
                                 std::max<std::uint32_t>(quads, ORDERED_FEWEST_ATTACHMENTS));
   } else {
@@ -43,6 +44,14 @@ OrderedState make_ordered_state(gpu::PassRecorder& recorder, const FrameSetup& s
     state.address = &address_of(recorder, *state.words);
   }
   return state;
+}
+
+void add_entries(gpu::PassRecorder& recorder, const FrameSetup& setup, OrderedState& state, const std::string& name,
+                 std::uint32_t words) {
+  constexpr std::uint64_t kTile = ORDERED_TILE;
+  const std::uint64_t tiles = (setup.width + kTile - 1) / kTile * ((setup.height + kTile - 1) / kTile);
+  state.entries = &recorder.buffer(name, tiles * kTile * kTile * words * 4);
+  state.entries_address = &address_of(recorder, *state.entries);
 }
 
 void record_ordered(gpu::PassRecorder& recorder, const FrameSetup& setup, const OrderedState& state,
@@ -57,6 +66,8 @@ void record_ordered(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
     geometry.pass.bindings.push_back(gpu::writes(ORDERED_SLOT_ADDRESS, *state.address));
     geometry.pass.size = {setup.width, setup.height};
   }
+  if (state.entries != nullptr)
+    geometry.pass.bindings.push_back(gpu::writes(ORDERED_SLOT_ENTRIES, *state.entries_address));
   setup.frontend.record_geometry(recorder, std::move(geometry));
 }
 

@@ -17,9 +17,15 @@ struct OrderedState {
   gpu::Image* image = nullptr;
   gpu::Buffer* words = nullptr;
   gpu::AddressTable* address = nullptr;  // of the words
+  // Further words in entries, where the technique keeps those apart (shaders/include/ordered_entries.glsl). Not
+  // cleared.
+  gpu::Buffer* entries = nullptr;
+  gpu::AddressTable* entries_address = nullptr;
 
-  // Variant of shaders that read the state: IMAGE or BUFFER.
-  std::string variant() const { return image != nullptr ? "IMAGE" : "BUFFER"; }
+  // Variant of shaders that read the state: IMAGE or BUFFER, with entries TILED_IMAGE or TILED_BUFFER.
+  std::string variant() const {
+    return std::string(entries != nullptr ? "TILED_" : "") + (image != nullptr ? "IMAGE" : "BUFFER");
+  }
   // Binds what they read.
   void bind(gpu::RasterPass& pass) const;
 };
@@ -27,10 +33,15 @@ struct OrderedState {
 // A state of `quads` times four words a pixel. Up to 32 words lie in attachments, whose order the device promises;
 // more, and what lists fill, in a buffer.
 OrderedState make_ordered_state(gpu::PassRecorder& recorder, const FrameSetup& setup, const std::string& name,
-                                std::uint32_t quads, bool from_lists);
+                                std::uint32_t quads, bool in_buffer);
 
-// Clears the state and puts the frame's fragments into it one by one. `geometry` comes with name, constants and
-// bindings; `shader` has a variant for each number of attachments and for buffers, with and without interlock.
+// Gives the state entries: `words` a pixel, all together.
+void add_entries(gpu::PassRecorder& recorder, const FrameSetup& setup, OrderedState& state, const std::string& name,
+                 std::uint32_t words);
+
+// Clears the state, but for entries, and puts the frame's fragments into it one by one. `geometry` comes with name,
+// constants and bindings; `shader` has a variant for each number of attachments and for buffers, with and without
+// interlock.
 void record_ordered(gpu::PassRecorder& recorder, const FrameSetup& setup, const OrderedState& state,
                     Frontend::GeometryPass geometry, const std::string& shader);
 

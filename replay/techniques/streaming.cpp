@@ -85,7 +85,10 @@ void record_shading(gpu::PassRecorder& recorder, const StreamingSetup& setup, co
 void record_maps(gpu::PassRecorder& recorder, const StreamingSetup& setup, const OrderedState& state) {
   gpu::RasterPass pass = fullscreen_pass(setup, "maps", "techniques/streaming/maps.frag:" + state.variant());
   gpu::append(pass.pipeline.constants, streaming_constants(setup));
-  pass.colours = make_maps(recorder, setup, {"merges", "discards", "surfaces", "order_errors"});
+  pass.colours = state.entries == nullptr
+                     ? make_maps(recorder, setup, {"merges", "discards", "surfaces", "order_errors"})
+                     : make_maps(recorder, setup,
+                                 {"merges", "discards", "surfaces", "order_errors", "words_loaded", "words_stored"});
   state.bind(pass);
   recorder.host(once(run_pass(recorder.device(), std::move(pass))));
 }
@@ -95,12 +98,18 @@ void record_maps(gpu::PassRecorder& recorder, const StreamingSetup& setup, const
 OrderedState record_streaming(gpu::PassRecorder& recorder, const StreamingSetup& setup) {
   setup.frontend.record_setup(recorder);
   const auto lists = record_measured_lists(recorder, setup, "collect");
-  const std::uint32_t quads = STREAM_STATE_QUADS(setup.samples, setup.scene.features().bits, setup.parameters.surfaces);
-  const OrderedState state = make_ordered_state(recorder, setup, "streaming state", quads, lists.has_value());
-  if (lists)
+  const std::uint32_t features = setup.scene.features().bits, surfaces = setup.parameters.surfaces;
+  const std::uint32_t quads =
+      lists ? STREAM_STATE_QUADS(setup.samples, features, surfaces) : STREAM_HEAD_QUADS(setup.samples);
+  // Entries lie in a buffer; where an interlock orders those, the rest does too.
+  const bool in_buffer = lists.has_value() || recorder.device().info().pixel_interlock;
+  OrderedState state = make_ordered_state(recorder, setup, "streaming state", quads, in_buffer);
+  if (lists) {
     record_list_compression(recorder, setup, *lists, state);
-  else
+  } else {
+    add_entries(recorder, setup, state, "streaming surfaces", surfaces * STREAM_SURFACE_WORDS(setup.samples, features));
     record_compression(recorder, setup, state);
+  }
   record_shading(recorder, setup, state);
   record_maps(recorder, setup, state);
   return state;
@@ -145,7 +154,9 @@ const Technique kStreaming = TechniqueOf<StreamingParameters>{
     .maps = {{"merges", "Fragments merged", "fragments", 16},
              {"discards", "Samples discarded while visible", "samples", 8},
              {"surfaces", "Surfaces stored", "surfaces", 4},
-             {"order_errors", "Surfaces out of order", "surfaces", 4}},
+             {"order_errors", "Surfaces out of order", "surfaces", 4},
+             {"words_loaded", "Words of surfaces loaded by the ordered pass", "words", 256},
+             {"words_stored", "Words of surfaces stored by the ordered pass", "words", 128}},
     .layout = layout,
     .record = [](gpu::PassRecorder& recorder, const StreamingSetup& setup) { record_streaming(recorder, setup); },
     .lists = ListedMasks::collected,

@@ -20,7 +20,11 @@ namespace subpixel::gpu_types {
 // Of passes that make the listed fragments' surfaces.
 #define ORDERED_SLOT_SURFACES 3  // storage: where they are
 
+#define ORDERED_SLOT_ENTRIES 1  // storage: where the pixels' entries are, with ordered_entries.glsl
+
 #define ORDERED_QUADS_OF(words) (((words) + 3u) / 4u)
+// Pixels of a square tile's side whose entries lie together.
+#define ORDERED_TILE 8
 
 BUFFER_REFERENCE(StateQuads)
 BUFFER_REFERENCE(KeptCounts)

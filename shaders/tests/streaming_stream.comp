@@ -48,6 +48,6 @@ void main() {
   }
   StreamList list;
   stream_pack(word, surface, list);
-  for (uint i = 0u; i < DEPTH_QUADS; ++i) quads[pixel * STATE_QUADS + i] = depths[i];
-  for (uint i = 0u; i < LIST_QUADS; ++i) quads[pixel * STATE_QUADS + DEPTH_QUADS + i] = QUAD_OF(list.word, i);
+  for (uint i = 0u; i < DEPTH_QUADS; ++i) quads[pixel * LISTED_STATE_QUADS + i] = depths[i];
+  for (uint i = 0u; i < LIST_QUADS; ++i) quads[pixel * LISTED_STATE_QUADS + DEPTH_QUADS + i] = QUAD_OF(list.word, i);
 }

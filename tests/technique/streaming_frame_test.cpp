@@ -77,17 +77,34 @@ std::vector<std::uint32_t> state_of(const StreamingSetup& setup, const WordLayou
   gpu::Device& device = setup.frontend.device();
   gpu::PassRecorder recorder(device);
   const replay::OrderedState state = record_streaming(recorder, setup);
+  // Entries are what was in memory before: nobody clears them.
+  if (state.entries) std::ranges::fill(state.entries->as<std::uint32_t>(), 0xffffffffu);
   recorder.run();
   const std::size_t pixels = std::size_t{setup.width} * setup.height, quads = layout.quads();
   std::vector<std::uint32_t> words(pixels * quads * 4);
-  if (state.words) {
+  if (!state.entries) {
     std::ranges::copy(state.words->as<std::uint32_t>().first(words.size()), words.begin());
     return words;
   }
-  for (std::uint32_t q = 0; q < quads; ++q) {
-    const auto bytes = gpu::download(device, *state.image, q);
-    for (std::size_t i = 0; i < pixels; ++i) std::memcpy(&words[(i * quads + q) * 4], &bytes[i * 16], 16);
+  // Depths and count word, then the surfaces out of tiles of 8x8 pixels.
+  const std::size_t head_quads = layout.samples / 4 + 1;
+  for (std::uint32_t q = 0; q < head_quads; ++q) {
+    std::vector<std::byte> bytes;
+    if (state.image) bytes = gpu::download(device, *state.image, q);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const std::size_t kept = q + 1 < head_quads ? 16 : 4;
+      const void* from = state.image ? static_cast<const void*>(&bytes[i * 16])
+                                     : &state.words->as<std::uint32_t>()[(i * head_quads + q) * 4];
+      std::memcpy(&words[i * quads * 4 + q * 4], from, kept);
+    }
   }
+  const auto entries = state.entries->as<std::uint32_t>();
+  const std::size_t list_words = layout.surfaces * layout.surface_words(), tiles_x = (setup.width + 7) / 8;
+  for (std::size_t y = 0; y < setup.height; ++y)
+    for (std::size_t x = 0; x < setup.width; ++x)
+      for (std::size_t w = 0; w < list_words; ++w)
+        words[(y * setup.width + x) * quads * 4 + layout.samples + 1 + w] =
+            entries[((y / 8 * tiles_x + x / 8) * list_words + w) * 64 + y % 8 * 8 + x % 8];
   return words;
 }
 

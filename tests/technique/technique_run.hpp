@@ -114,8 +114,10 @@ inline void expect_lists_as_ordered(std::string_view technique, const std::vecto
       const TechniqueRun lists = run_technique(capture, technique, given, 61, 37);
       listed += lists.counters.count("listed_fragments");
       given["order"] = "one_pass";
-      EXPECT_TRUE(lists == run_technique(capture, technique, given, 61, 37))
-          << name << " " << nlohmann::json(given).dump();
+      TechniqueRun one_pass = run_technique(capture, technique, given, 61, 37);
+      // How it came about, not what: lists are merged in registers.
+      for (const char* map : {"words_loaded", "words_stored"}) one_pass.maps.erase(map);
+      EXPECT_TRUE(lists == one_pass) << name << " " << nlohmann::json(given).dump();
     }
   }
   EXPECT_GE(listed, least_listed);

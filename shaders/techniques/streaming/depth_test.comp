@@ -51,5 +51,5 @@ void main() {
     }
   }
   push.kept.count[p] = kept - begin;
-  for (uint k = 0u; k < DEPTH_QUADS; ++k) push.state.quads[p * STATE_QUADS + k] = depths[k];
+  for (uint k = 0u; k < DEPTH_QUADS; ++k) push.state.quads[p * LISTED_STATE_QUADS + k] = depths[k];
 }

@@ -42,5 +42,5 @@ void main() {
     stream_add(word, surface, fragment);
   }
   stream_pack(word, surface, list);
-  for (uint i = 0u; i < LIST_QUADS; ++i) push.state.quads[p * STATE_QUADS + DEPTH_QUADS + i] = QUAD_OF(list.word, i);
+  for (uint i = 0u; i < LIST_QUADS; ++i) push.state.quads[p * LISTED_STATE_QUADS + DEPTH_QUADS + i] = QUAD_OF(list.word, i);
 }

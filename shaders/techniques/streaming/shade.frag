@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: IMAGE=-DIMAGE BUFFER=
+// variants: BUFFER= TILED_IMAGE=-DTILED,-DIMAGE TILED_BUFFER=-DTILED
 // Resolve (Kerzner and Salvi 2014, section 3.3): visibility of each sample from the surfaces' planes, one lighting execution
 // for each surface that any sample shows, their mean by samples.
 // Reads: the pixel's state, shadow map. Writes: linear radiance with the lighting executions in a; display values.

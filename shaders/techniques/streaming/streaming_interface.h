@@ -44,6 +44,10 @@ namespace subpixel::gpu_types {
 #define STREAM_STATE_QUADS(samples, features, surfaces) \
   ORDERED_QUADS_OF((samples) + 1u + (surfaces) * STREAM_SURFACE_WORDS(samples, features))
 
+// Of the ordered pass: the depths, then a quad of the count word, how many words of surfaces the pixel's fragments loaded and how
+// many they stored; the surfaces are entries (ordered_entries.glsl).
+#define STREAM_HEAD_QUADS(samples) ((samples) / 4u + 1u)
+
 // Of each listed fragment that passed the depth test.
 struct StreamListedSurface {
   uvec4 words;  // depth bits, slopes, albedo, normal
