@@ -16,10 +16,15 @@ enum class FacetNormal : std::uint32_t {
   three_of_32 = DCAA_NORMAL_3X32,
 };
 
+// `nearest` is beyond the paper: nothing that shows is discarded, and only what shows is merged and weighs. Nearest by
+// equation 1 of Crassin et al. 2016 with k = 1, as in `hybrid`.
+enum class SecondMerge { overlap, nearest, none };
+
 struct DcaaParameters : DecoupledParameters {
   std::uint32_t table_directions = 256, table_distances = 128;
   DecoupledWeight merge_weight = DecoupledWeight::coverage;
-  bool second_merge = true, keep_front = true, prepass = true;
+  SecondMerge second_merge = SecondMerge::overlap;
+  bool keep_front = true, prepass = true;
   FacetNormal facet_normal = FacetNormal::two_of_16;
   std::uint32_t depth_bits = 24;
 };
@@ -27,7 +32,9 @@ using Setup = SetupFor<DcaaParameters>;
 
 DcaaForm form_of(const DcaaParameters& parameters) {
   DcaaForm form = common_form(parameters);
-  if (parameters.second_merge) form.options |= DCAA_SECOND_MERGE;
+  if (parameters.second_merge == SecondMerge::overlap) form.options |= DCAA_SECOND_MERGE;
+  if (parameters.second_merge == SecondMerge::nearest)
+    form.options |= DCAA_NEAREST | DCAA_SHOWN_PART | DCAA_WEIGHT_SHOWN;
   if (parameters.keep_front) form.options |= DCAA_KEEP_FRONT;
   if (parameters.prepass) form.options |= DCAA_PREPASS;
   if (parameters.merge_weight == DecoupledWeight::shown) form.options |= DCAA_WEIGHT_SHOWN;
@@ -67,8 +74,11 @@ const Technique kDcaa = TechniqueOf<DcaaParameters>{
                field::choice("merge_weight", &DcaaParameters::merge_weight,
                              "merges weight by the samples covered, or by those the one in front leaves",
                              {{"coverage", DecoupledWeight::coverage}, {"shown", DecoupledWeight::shown}}),
-               field::condition("second_merge", &DcaaParameters::second_merge,
-                                "the surface that has to go merges with one that overlaps it in depth"),
+               field::choice(
+                   "second_merge", &DcaaParameters::second_merge,
+                   "the surface that has to go merges with one that overlaps it in depth, if there is one; or "
+                   "what shows of it joins the nearest, always; or it is discarded",
+                   {{"overlap", SecondMerge::overlap}, {"nearest", SecondMerge::nearest}, {"none", SecondMerge::none}}),
                field::condition("keep_front", &DcaaParameters::keep_front, "the front-most surface never has to go"),
                field::condition("prepass", &DcaaParameters::prepass,
                                 "a conservative depth prepass rules out fragments"),

@@ -123,6 +123,7 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
   gpu::RasterPass pass = lighting_pass(setup, "resolve and shade",
                                        "techniques/dcaa/shade.frag:" + r.state.variant() + (lobes ? "_LOBES" : ""));
   gpu::append(pass.pipeline.constants, constants_of(form));
+  gpu::append(pass.pipeline.constants, {{DCAA_CONSTANT_LEAST_SHOWN, form.least_shown}});
   if (lobes) {
     const bool moments = (form.options & DCAA_SECOND_MOMENTS) != 0;
     gpu::append(pass.pipeline.constants,

@@ -40,6 +40,7 @@ struct DcaaForm {
   CoverageTableSize table{256, 128};
   float inverse_length = 1;       // 1 / k of the distance between aggregates, 1 / world units; with DCAA_NEAREST
   std::uint32_t shadow_taps = 4;  // with DCAA_DISTRIBUTION
+  std::uint32_t least_shown = 0;  // samples; surfaces that show fewer are lit as part of the nearest
 };
 
 // The part of a form that those parameters decide.

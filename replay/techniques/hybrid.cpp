@@ -6,6 +6,8 @@
 // When a pixel's list is full, what shows of the least visible surface joins the surface nearest to it by AGAA's
 // distance, whatever their depths, instead of being averaged with one that overlaps it in depth or else dropped. Merged
 // shading normals keep the length of their mean, and lighting is filtered over the distribution that it stands for.
+#include <cmath>
+
 #include "replay/techniques/dcaa_passes.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/dcaa/dcaa_interface.h"
@@ -18,10 +20,12 @@ enum class MergedNormals { distribution, sggx, mean };
 
 struct HybridParameters : DecoupledParameters {
   SecondMerge second_merge = SecondMerge::nearest;
+  bool shown_only = true;
   double length = 1;  // world units
   MergedNormals normals = MergedNormals::distribution;
   DecoupledWeight merge_weight = DecoupledWeight::shown;
   std::uint32_t shadow_taps = 4;
+  double least_shown = 0.04;  // of the pixel: under three of 64 samples
 };
 using Setup = SetupFor<HybridParameters>;
 
@@ -29,11 +33,13 @@ DcaaForm form_of(const HybridParameters& parameters) {
   DcaaForm form = common_form(parameters);
   form.options |= DCAA_KEEP_FRONT | DCAA_PREPASS;
   form.options |= parameters.second_merge == SecondMerge::nearest ? DCAA_NEAREST : DCAA_SECOND_MERGE;
+  if (parameters.shown_only) form.options |= DCAA_SHOWN_PART;
   if (parameters.normals != MergedNormals::mean) form.options |= DCAA_DISTRIBUTION;
   if (parameters.normals == MergedNormals::sggx) form.options |= DCAA_SECOND_MOMENTS;
   if (parameters.merge_weight == DecoupledWeight::shown) form.options |= DCAA_WEIGHT_SHOWN;
   form.inverse_length = static_cast<float>(1 / parameters.length);
   form.shadow_taps = parameters.shadow_taps;
+  form.least_shown = static_cast<std::uint32_t>(std::ceil(parameters.least_shown * parameters.samples));
   return form;
 }
 
@@ -66,6 +72,8 @@ const Technique kHybrid = TechniqueOf<HybridParameters>{
                    "what has to go joins the nearest surface by the distance of aggregates, or as in dcaa one that "
                    "overlaps it in depth",
                    {{"nearest", SecondMerge::nearest}, {"overlapping", SecondMerge::overlapping}}),
+               field::condition("shown_only", &HybridParameters::shown_only,
+                                "fragments bring only samples that no surface wholly in front of them covers"),
                field::number("length", &HybridParameters::length, {1e-6, 1e6},
                              "largest scale of local detail: a distance as large parts surfaces as opposite normals do",
                              "world units"),
@@ -81,6 +89,8 @@ const Technique kHybrid = TechniqueOf<HybridParameters>{
                              {{"shown", DecoupledWeight::shown}, {"coverage", DecoupledWeight::coverage}}),
                field::integer("shadow_taps", &HybridParameters::shadow_taps, field::one_of({1, 2, 4, 8}),
                               "points of a surface's footprint at which its shadow is looked up"),
+               field::number("least_shown", &HybridParameters::least_shown, {0, 1},
+                             "surfaces that show less of the pixel are lit as part of the nearest", "of the pixel"),
                field::order(), field::alpha(), field::resolve(), field::shading()},
     .maps = dcaa_maps(),
     .layout = layout,

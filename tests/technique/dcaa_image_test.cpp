@@ -72,13 +72,34 @@ TEST(Dcaa, SecondMergeAndFrontMostRuleKeepWhatWouldLeak) {
   const auto run = [](const ParameterValues& given) {
     return run_technique(capture::generate("fur", {1, 64, 36, 1, 0.1}), "dcaa", given, 64, 36);
   };
-  const TechniqueRun both = run({}), no_second = run({{"second_merge", false}}),
+  const TechniqueRun both = run({}), no_second = run({{"second_merge", "none"}}),
                      no_front = run({{"keep_front", false}});
   EXPECT_LT(sum(both.maps.at("leaks")), sum(no_second.maps.at("leaks")));
   EXPECT_LT(sum(both.maps.at("discards")), sum(no_second.maps.at("discards")));
   EXPECT_EQ(sum(no_second.maps.at("second_merges")), 0u);
   EXPECT_FALSE(both == no_front);
   expect_valid(both, 4);
+}
+
+TEST(Dcaa, NearestDiscardsNothing) {
+  // Seven strips side by side at depths that do not overlap, in one pixel of a frame of 4: the paper's rules keep four.
+  capture::Capture capture = flat_capture(4, 4);
+  for (int i = 0; i < 7; ++i) {
+    const float left = -1 + static_cast<float>(i) * 0.25f, right = i == 6 ? 1.0f : left + 0.25f;
+    const float away = static_cast<float>(i);
+    add_triangles(capture, rectangle(left * 0.25f - 0.25f, -1, right * 0.25f - 0.25f, 1, 0.8f - 0.2f * away),
+                  add_emitter(capture, {0.1f * away, 0.5f, 0.9f - 0.1f * away}));
+  }
+  const TechniqueRun paper = run_technique(capture, "dcaa", {{"coverage", "exact"}}, 4, 4);
+  const TechniqueRun nearest =
+      run_technique(capture, "dcaa", {{"coverage", "exact"}, {"second_merge", "nearest"}}, 4, 4);
+  EXPECT_GT(sum(paper.maps.at("discards")), 0u);
+  EXPECT_GT(sum(paper.maps.at("leaks")), 0u);
+  EXPECT_EQ(sum(nearest.maps.at("discards")), 0u);
+  EXPECT_EQ(sum(nearest.maps.at("leaks")), 0u);
+  expect_valid(nearest, 4);
+  const TechniqueRun msaa = run_technique(capture, "msaa", {{"samples", 64}}, 4, 4);
+  EXPECT_LT(mean_squared_difference(nearest, msaa), 0.01 * mean_squared_difference(paper, msaa));
 }
 
 TEST(Dcaa, MoreSurfacesComeNearerToMsaa) {
@@ -105,6 +126,7 @@ TEST(Dcaa, ListsLeaveTheBitsOfTheOrderedPasses) {
       "dcaa",
       {{{"coverage", "exact"}},
        {{"coverage", "exact"}, {"samples", 16}, {"surfaces", 1}, {"prepass", false}},
+       {{"coverage", "exact"}, {"second_merge", "nearest"}},
        {{"coverage", "exact"}, {"samples", 32}, {"surfaces", 8}, {"facet_normal", "3x32"}, {"depth_bits", 32}}},
       12);
 }
@@ -119,6 +141,7 @@ TEST(Dcaa, RefusesWhatItCannotDo) {
   expect_refused("dcaa", {{"surfaces", 0}});
   expect_refused("dcaa", {{"table_directions", 100}});
   expect_refused("dcaa", {{"depth_bits", 25}});
+  expect_refused("dcaa", {{"second_merge", "true"}});
   expect_refused("dcaa", {{"coverage", "analytic"}});
 }
 

@@ -136,7 +136,8 @@ std::vector<std::uint32_t> run_on_device(const Options& o, const Streams& stream
                     {DCAA_CONSTANT_OPTIONS,
                      (o.second_merge && !o.nearest ? DCAA_SECOND_MERGE : 0u) | (o.keep_front ? DCAA_KEEP_FRONT : 0u) |
                          (o.weight_by_shown ? DCAA_WEIGHT_SHOWN : 0u) | (o.distribution ? DCAA_DISTRIBUTION : 0u) |
-                         (o.nearest ? DCAA_NEAREST : 0u) | (o.second_moments ? DCAA_SECOND_MOMENTS : 0u)},
+                         (o.nearest ? DCAA_NEAREST : 0u) | (o.second_moments ? DCAA_SECOND_MOMENTS : 0u) |
+                         (o.shown_part ? DCAA_SHOWN_PART : 0u)},
                     {DCAA_CONSTANT_NORMAL_FORMAT, o.normal_format},
                     {DCAA_CONSTANT_DEPTH_BITS, o.depth_bits},
                     {DCAA_CONSTANT_DEPTH_REACH, std::bit_cast<std::uint32_t>(o.depth_reach)},
@@ -201,6 +202,21 @@ TEST(DcaaStream, LeavesTheSurfacesOfThePaperOn100000Pixels) {
   EXPECT_LT(totals.full, 95000u);
 }
 
+TEST(DcaaStream, NearestLeavesTheSurfacesOfItsRulesOn100000Pixels) {
+  Totals totals;
+  for (std::uint32_t part = 0; part < 4; ++part) {
+    Options o;
+    o.nearest = o.shown_part = o.weight_by_shown = true;
+    o.surfaces = part == 2 ? 8 : 4;
+    o.samples = part == 1 ? 16 : 64;
+    SCOPED_TRACE(testing::Message() << "part " << part);
+    expect_same_surfaces(o, 25000, 600 + part, totals);
+  }
+  EXPECT_GT(totals.first_merges, 200000u);
+  EXPECT_GT(totals.second_merges, 100000u);
+  EXPECT_EQ(totals.discards, 0u);
+}
+
 TEST(DcaaStream, AgreesForEveryNumberOfSurfacesAndSamples) {
   std::uint32_t seed = 100;
   Totals totals;
@@ -222,6 +238,7 @@ TEST(HybridStream, LeavesTheSurfacesOfItsRulesOn100000Pixels) {
     o.nearest = true;
     o.distribution = part != 3;
     o.weight_by_shown = part != 1;
+    o.shown_part = part < 2;
     o.surfaces = part == 2 ? 8 : 4;
     o.samples = part == 2 ? 32 : 64;
     o.inverse_length = part == 1 ? 100.0f : 1.0f;
@@ -230,7 +247,7 @@ TEST(HybridStream, LeavesTheSurfacesOfItsRulesOn100000Pixels) {
   }
   EXPECT_GT(totals.first_merges, 300000u);
   EXPECT_GT(totals.second_merges, 100000u);
-  EXPECT_GT(totals.discards, 100000u);  // surfaces of which nothing shows
+  EXPECT_EQ(totals.discards, 0u);
 }
 
 TEST(HybridStream, SecondMomentsAreBlendedAsTheirMeans) {

@@ -35,6 +35,7 @@ struct Options {
   std::uint32_t normal_format = DCAA_NORMAL_2X16, depth_bits = 24;
   // `hybrid`: mean normals keep their length; what has to go joins the nearest in units of k.
   bool distribution = false, nearest = false, second_moments = false;
+  bool shown_part = false;  // fragments lose the samples of surfaces that are in front over the whole pixel
   float inverse_length = 1;
 };
 
@@ -161,6 +162,11 @@ class Pixel {
   Pixel(const Options& options, const PixelView& view) : options_(options), view_(view) {}
 
   void add(Surface in) {
+    if (options_.shown_part) {
+      for (const Surface& s : list_)
+        if (in_front_everywhere(s, in)) in.coverage &= ~s.coverage;
+      if (in.coverage == 0) return;
+    }
     const std::optional<std::size_t> candidate = best_candidate(in);
     if (candidate) {
       list_[*candidate] = merged(list_[*candidate], in);
@@ -178,16 +184,26 @@ class Pixel {
  private:
   Vector normal_of(const Surface& s) const { return from_facet(s.facet, options_.normal_format); }
 
-  // Section 3.2: the bounding box in depth over the pixel, one unit of the stored depth larger on either side.
-  Interval interval(const Surface& s) const {
+  // Depth per pixel in x and y of the surface's plane.
+  std::array<float, 2> slopes(const Surface& s) const {
     const Vector n = normal_of(s);
     const float along = std::min(dot(n, view_.ray), view_.most_along);
-    const float gx = std::clamp(dot(n, view_.dx) / along, -view_.most_slope, view_.most_slope);
-    const float gy = std::clamp(dot(n, view_.dy) / along, -view_.most_slope, view_.most_slope);
     const float per_slope = s.depth * view_.rays_differ + view_.scale;
+    return {per_slope * std::clamp(dot(n, view_.dx) / along, -view_.most_slope, view_.most_slope),
+            per_slope * std::clamp(dot(n, view_.dy) / along, -view_.most_slope, view_.most_slope)};
+  }
+
+  // The difference of two planes is least at a corner of the pixel.
+  bool in_front_everywhere(const Surface& a, const Surface& b) const {
+    const auto sa = slopes(a), sb = slopes(b);
+    return a.depth - b.depth > 0.5f * (std::fabs(sa[0] - sb[0]) + std::fabs(sa[1] - sb[1]));
+  }
+
+  // Section 3.2: the bounding box in depth over the pixel, one unit of the stored depth larger on either side.
+  Interval interval(const Surface& s) const {
+    const auto [sx, sy] = slopes(s);
     const float stored_unit = std::ldexp(1.0f, 5 - static_cast<int>(std::min(options_.depth_bits, 28u)));
-    const float reach =
-        options_.depth_reach * (std::fabs(per_slope * gx) + std::fabs(per_slope * gy)) + s.depth * stored_unit;
+    const float reach = options_.depth_reach * (std::fabs(sx) + std::fabs(sy)) + s.depth * stored_unit;
     return {s.depth - reach, s.depth + reach};
   }
 
@@ -303,10 +319,7 @@ class Pixel {
   // Crassin et al. 2016, equation 1, on surfaces of a pixel: what shows of one becomes part of the nearest, which stays
   // where it is. What shows nothing goes.
   void join_nearest(const std::vector<Surface*>& all, std::size_t gone, std::uint64_t shows) {
-    if (shows == 0) {
-      ++counts_.discards;
-      return;
-    }
+    if (shows == 0) return;
     Surface* nearest = nullptr;
     float least = 1e30f;
     for (std::size_t i = 0; i < all.size(); ++i) {

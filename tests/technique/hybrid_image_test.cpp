@@ -16,7 +16,7 @@ TEST(Hybrid, IsDcaaWhereNothingMerges) {
   // Lit boxes with few surfaces a pixel: what differs are 12 bits of a normal's coordinates against 16.
   const capture::Capture capture = capture::generate("cube", {.frames = 1, .width = 40, .height = 24});
   const TechniqueRun dcaa = run_technique(capture, "dcaa", {}, 40, 24);
-  const TechniqueRun hybrid = run_technique(capture, "hybrid", {}, 40, 24);
+  const TechniqueRun hybrid = run_technique(capture, "hybrid", {{"least_shown", 0}}, 40, 24);
   expect_valid(hybrid, 4);
   EXPECT_LT(mean_squared_difference(hybrid, dcaa), 1e-7);
   EXPECT_EQ(hybrid.maps.at("surfaces"), dcaa.maps.at("surfaces"));
@@ -24,9 +24,15 @@ TEST(Hybrid, IsDcaaWhereNothingMerges) {
   // The old rules with mean normals are dcaa's, its bits of normals included.
   const capture::Capture grass = little_grass();
   EXPECT_EQ(run_technique(grass, "hybrid",
-                          {{"second_merge", "overlapping"}, {"normals", "mean"}, {"merge_weight", "coverage"}}, kWidth,
-                          kHeight),
+                          {{"second_merge", "overlapping"},
+                           {"shown_only", false},
+                           {"least_shown", 0},
+                           {"normals", "mean"},
+                           {"merge_weight", "coverage"}},
+                          kWidth, kHeight),
             run_technique(grass, "dcaa", {}, kWidth, kHeight));
+  EXPECT_EQ(run_technique(grass, "hybrid", {{"least_shown", 0}, {"normals", "mean"}}, kWidth, kHeight),
+            run_technique(grass, "dcaa", {{"second_merge", "nearest"}}, kWidth, kHeight));
 }
 
 TEST(Hybrid, AggregatesKeepWhatDcaaDropsOrAverages) {
@@ -42,6 +48,24 @@ TEST(Hybrid, AggregatesKeepWhatDcaaDropsOrAverages) {
   EXPECT_LT(error(hybrid), error(mean));
   EXPECT_GT(sum(dcaa.maps.at("leaks")), 100u);
   EXPECT_LT(10 * sum(hybrid.maps.at("leaks")), sum(dcaa.maps.at("leaks")));
+}
+
+TEST(Hybrid, SurfacesThatShowLittleAreLitWithTheNearest) {
+  // A strip of three columns of samples, of 64, in front of two parts of its pixel. Emitters: their mean is exact.
+  capture::Capture capture = flat_capture(4, 4);
+  const float column = 0.5f / 64;
+  add_triangles(capture, rectangle(-1, -1, -0.25f, 1, -0.5f), add_emitter(capture, {0.25f, 0.5f, 1}));
+  add_triangles(capture, rectangle(-0.25f, -1, 1, 1, 0.0f), add_emitter(capture, {1, 0.5f, 0.25f}));
+  add_triangles(capture, rectangle(-0.25f - 3 * column, -1, -0.25f, 1, 0.5f), add_emitter(capture, {0.5f, 1, 0.5f}));
+  const auto run = [&](double least_shown) {
+    return run_technique(capture, "hybrid", {{"coverage", "exact"}, {"least_shown", least_shown}}, 4, 4);
+  };
+  const TechniqueRun apart = run(0), folded = run(1.0 / 16), all = run(1);
+  EXPECT_EQ(apart.executions(), 4u * (1 + 3 + 1 + 1));
+  EXPECT_EQ(folded.executions(), 4u * (1 + 2 + 1 + 1));
+  EXPECT_EQ(all.executions(), 4u * 4);
+  const TechniqueRun msaa = run_technique(capture, "msaa", {{"samples", 64}}, 4, 4);
+  for (const TechniqueRun* each : {&apart, &folded, &all}) EXPECT_LT(mean_squared_difference(*each, msaa), 1e-6);
 }
 
 TEST(Hybrid, MoreSurfacesComeNearerToMsaa) {
@@ -80,6 +104,7 @@ TEST(Hybrid, RefusesWhatItCannotDo) {
   expect_refused("hybrid", {{"merge_weight", "even"}});
   expect_refused("hybrid", {{"second_merge", "none"}});
   expect_refused("hybrid", {{"shadow_taps", 3}});
+  expect_refused("hybrid", {{"least_shown", 1.5}});
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ namespace subpixel::gpu_types {
 #define DCAA_CONSTANT_TABLE_DISTANCES (AGAA_CONSTANTS_END + 6)
 #define DCAA_CONSTANT_DEPTH_REACH (AGAA_CONSTANTS_END + 7)
 #define DCAA_CONSTANT_INVERSE_LENGTH (AGAA_CONSTANTS_END + 8)
+#define DCAA_CONSTANT_LEAST_SHOWN (AGAA_CONSTANTS_END + 9)  // samples; of the pass that lights
 
 #define DCAA_SECOND_MERGE 1u   // section 3.3: merge the surface that has to go, if one overlaps it in depth
 #define DCAA_KEEP_FRONT 2u     // section 3.3: the front-most surface never has to go
@@ -30,6 +31,7 @@ namespace subpixel::gpu_types {
 #define DCAA_DISTRIBUTION 32u  // shading normals keep the length of their mean
 #define DCAA_NEAREST 64u       // the second merge: with the nearest by the distance of aggregates, whose plane stays
 #define DCAA_SECOND_MOMENTS 128u  // surfaces keep the second moments of their shading normals, too
+#define DCAA_SHOWN_PART 256u      // fragments bring only samples that no surface wholly in front of them covers
 
 // How a facet normal is stored.
 #define DCAA_NORMAL_2X16 0u  // octahedral (Cigolle et al. 2014)

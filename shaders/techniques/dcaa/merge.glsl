@@ -127,13 +127,32 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
     for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(partner == i, with, surface[i]);
     fragment = dcaa_select(partner == SURFACES, with, fragment);
   }
-  word = partner <= SURFACES ? count_more(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS, 1u)
-                             : count_more(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS, 1u);
+  bool joined = partner <= SURFACES, vanishes = kNearest && least == 0u;
+  word = count_more(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS, joined ? 1u : 0u);
+  word = count_more(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS, joined || vanishes ? 0u : 1u);
   for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(leaving == i, fragment, surface[i]);
 }
 
-// Adds a fragment, which covers at least one sample, to the pixel.
-void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment, vec3 ray, DcaaView view) {
+// The samples of a fragment that no surface in front of it over the whole pixel covers.
+uvec2 dcaa_not_hidden(uint count, DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment,
+                      vec3 ray, DcaaView view) {
+  uvec2 left = fragment.coverage;
+  vec2 own = dcaa_slopes(dcaa_facet(fragment.facet), fragment.depth, ray, view);
+#define HIDE(i)                                                                                                   \
+  for (bool go = i < count && surface[i].depth > fragment.depth; go; go = false) {                                \
+    vec2 turn = abs(dcaa_slopes(dcaa_facet(surface[i].facet), surface[i].depth, ray, view) - own);                \
+    precise float ahead = surface[i].depth - fragment.depth;                                                      \
+    precise float reach = 0.5 * (turn.x + turn.y);                                                                \
+    left &= ahead > reach ? ~surface[i].coverage : uvec2(0xffffffffu);                                            \
+  }
+  EACH_SURFACE(HIDE)
+#undef HIDE
+  return left;
+}
+
+// Adds a fragment, which brings at least one sample, to the pixel.
+void dcaa_add_shown(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment,
+                    vec3 ray, DcaaView view) {
   uint count = field_of(word, 0u, DCAA_COUNT_BITS);
   uint target = count;
   bool merges = false;
@@ -168,6 +187,15 @@ void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], Dca
   for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(target == i, fragment, surface[i]);
   bool added = !merges && count < SURFACES;
   word += added ? 1u : 0u;
+}
+
+// Adds a fragment, which covers at least one sample, to the pixel.
+void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment,
+              vec3 ray, DcaaView view) {
+  if (dcaa_option(DCAA_SHOWN_PART))
+    fragment.coverage = dcaa_not_hidden(field_of(word, 0u, DCAA_COUNT_BITS), surface, fragment, ray, view);
+  for (bool shows = fragment.coverage != uvec2(0u); shows; shows = false)
+    dcaa_add_shown(word, surface, fragment, ray, view);
 }
 
 #endif

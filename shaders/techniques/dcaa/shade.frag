@@ -18,8 +18,12 @@ layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "techniques/dcaa/surface.glsl"
 #include "techniques/dcaa/coverage.glsl"
 #include "techniques/dcaa/depth_bound.glsl"
+#include "techniques/dcaa/merge.glsl"
 #include "techniques/dcaa/state.glsl"
 #include "techniques/dcaa/state_read.glsl"
+
+// Surfaces that show fewer samples are lit as part of the nearest.
+layout(constant_id = DCAA_CONSTANT_LEAST_SHOWN) const uint LEAST_SHOWN = 0u;
 
 layout(set = 0, binding = STORAGE(DCAA_SLOT_VIEW), scalar) readonly buffer ViewBlock { DcaaView view; };
 layout(location = 0) out vec4 out_radiance;
@@ -76,6 +80,52 @@ vec3 radiance_of(DcaaSurface s, vec2 slope, uvec2 samples) {
 #endif
 }
 
+// Where more than two surfaces show, what shows of each that shows too little joins the nearest other that shows, which
+// keeps its plane; attributes are averaged by the samples that show.
+void fold(inout DcaaSurface surface[DCAA_MAX_SURFACES], inout uvec2 shown[DCAA_MAX_SURFACES], vec3 ray) {
+  uint small = 0u, showing = 0u;
+  for (uint i = 0u; i < SURFACES; ++i) {
+    uint own = dcaa_count(shown[i]);
+    showing += own > 0u ? 1u : 0u;
+    small |= own > 0u && own < LEAST_SHOWN ? 1u << i : 0u;
+  }
+  small = showing > 2u ? small : 0u;
+  while (small != 0u) {
+    uint which = uint(findLSB(small));
+    small &= small - 1u;
+    DcaaSurface part = surface[0];
+    part.coverage = shown[0];
+    for (uint i = 1u; i < SURFACES; ++i) {
+      part = dcaa_select(which == i, surface[i], part);
+      part.coverage = which == i ? shown[i] : part.coverage;
+    }
+    vec3 normal = dcaa_facet(part.facet);
+    float place = dcaa_place(part.depth, ray, view), least = 1e38;
+    uint nearest = SURFACES;
+    DcaaSurface joined = part;
+    for (uint i = 0u; i < SURFACES; ++i) {
+      float there = dcaa_place(surface[i].depth, ray, view);
+      float away = dcaa_distance(there, dcaa_facet(surface[i].facet), place, normal);
+      bool better = i != which && shown[i] != uvec2(0u) && away < least;
+      least = better ? away : least;
+      nearest = better ? i : nearest;
+      joined = dcaa_select(better, surface[i], joined);
+      joined.coverage = better ? shown[i] : joined.coverage;
+    }
+    for (bool joins = nearest < SURFACES; joins; joins = false) {
+      uvec3 facet = joined.facet;
+      float depth = joined.depth;
+      joined = dcaa_merged(joined, part);
+      joined.facet = facet;
+      joined.depth = depth;
+      for (uint i = 0u; i < SURFACES; ++i) {
+        surface[i] = dcaa_select(nearest == i, joined, surface[i]);
+        shown[i] = nearest == i ? joined.coverage : which == i ? uvec2(0u) : shown[i];
+      }
+    }
+  }
+}
+
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
   uint count = field_of(read_count_word(pixel), 0u, DCAA_COUNT_BITS);
@@ -125,6 +175,7 @@ void main() {
       for (uint i = 0u; i < SURFACES; ++i) shown[i] = which == i ? own & ~hidden : shown[i];
     }
 
+    if (LEAST_SHOWN > 0u) fold(surface, shown, ray);
     uint left = 0u;  // surfaces yet to shade
     for (uint s = 0u; s < SURFACES; ++s) left |= shown[s] != uvec2(0u) ? 1u << s : 0u;
     while (left != 0u) {
