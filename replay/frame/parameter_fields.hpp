@@ -85,11 +85,11 @@ inline Parameter describe(std::string_view name, ParameterKind kind, std::string
   return {name, kind, doc, unit, range.minimum, range.maximum, range.allowed, {}, {}};
 }
 
-template <typename Struct>
-Field<Struct> integer(std::string_view name, std::uint32_t Struct::*member, const Range& range, std::string_view doc,
+template <typename Struct, std::integral Integer>
+Field<Struct> integer(std::string_view name, Integer Struct::*member, const Range& range, std::string_view doc,
                       std::string_view unit = "") {
   return {describe(name, ParameterKind::integer, doc, unit, range),
-          [member](Struct& s, const nlohmann::json& checked) { s.*member = checked.get<std::uint32_t>(); },
+          [member](Struct& s, const nlohmann::json& checked) { s.*member = checked.get<Integer>(); },
           [member](const Struct& s) { return nlohmann::json(std::int64_t{s.*member}); }};
 }
 

@@ -13,6 +13,13 @@
 #include "shaders/shade/shade_interface.h"
 
 namespace subpixel::replay {
+
+MemoryLayout full_sample_layout(const FrameSetup& setup) {
+  const double n = setup.samples;
+  // 16-byte G-buffer sample and 32-bit depth, as in the tables of the papers that use it as their baseline.
+  return {{"depth", 32 * n}, {"G-buffer samples", 128 * n}};
+}
+
 bool narrow_samples(const FrameSetup& setup) {
   const SceneFeatures features = setup.scene.features();
   return !features.has(FEATURE_EMISSIVE) && !(features.has(FEATURE_METAL) && features.has(FEATURE_VARYING_ROUGHNESS));
@@ -147,6 +154,18 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
   pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
   pass.bindings.push_back(gpu::samples(SHADE_SLOT_GBUFFER, gbuffer));
   recorder.raster(std::move(pass));
+}
+
+gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  setup.frontend.record_setup(recorder);
+  gpu::Image& visibility = record_visibility(recorder, setup);
+  gpu::Image& gbuffer = gbuffer_image(recorder, setup);
+  gpu::Image& sum = sum_image(recorder, setup);
+  for (std::uint32_t group = 0; group < setup.samples / gbuffer_group(setup.samples); ++group) {
+    record_gbuffer(recorder, setup, visibility, gbuffer, group);
+    record_sample_shading(recorder, setup, visibility, gbuffer, sum, group);
+  }
+  return sum;
 }
 
 void record_resolve(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& sum) {

@@ -7,6 +7,9 @@
 
 namespace subpixel::replay {
 
+// Depth and a full G-buffer sample of each visibility sample.
+MemoryLayout full_sample_layout(const FrameSetup& setup);
+
 // Samples a pass of the full-sample G-buffer handles at once; more are handled in groups that reuse the buffer.
 std::uint32_t gbuffer_group(std::uint32_t samples);
 
@@ -44,6 +47,8 @@ gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::st
 // Shades every covered sample of the group into `sum`; pass "shade".
 void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility,
                            gpu::Image& gbuffer, gpu::Image& sum, std::uint32_t group);
+// From the front-end's set-up to shading: the sum over every sample, all of them lit.
+gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup);
 
 // A list of pixels that compute passes work through (shaders/deferred/pixel_list.glsl).
 struct PixelList {

@@ -1,7 +1,6 @@
 // Deferred shading of one sample, then a filter over the finished image that smooths steps along edges of luminance.
 // The idea is that of Lottes 2009, "FXAA" (and Reshetov 2009, "Morphological antialiasing"); the filter is our own. It
 // needs no geometry memory and can't show what one sample a pixel missed.
-#include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/fxaa/fxaa_interface.h"
 
@@ -17,11 +16,6 @@ struct FxaaParameters : CommonParameters {
   FxaaParameters() { samples = 1; }
 };
 using Setup = SetupFor<FxaaParameters>;
-
-MemoryLayout layout(const Setup& setup) {
-  const double n = setup.samples;
-  return {{"depth", 32 * n}, {"G-buffer samples", 128 * n}};
-}
 
 void record_filter(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& values) {
   gpu::Image& unfiltered = *setup.outputs.display;
@@ -48,12 +42,7 @@ void record_filter(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& 
 }
 
 void record(gpu::PassRecorder& recorder, const Setup& setup) {
-  setup.frontend.record_setup(recorder);
-  gpu::Image& visibility = record_visibility(recorder, setup);
-  gpu::Image& gbuffer = gbuffer_image(recorder, setup);
-  gpu::Image& sum = sum_image(recorder, setup);
-  record_gbuffer(recorder, setup, visibility, gbuffer, 0);
-  record_sample_shading(recorder, setup, visibility, gbuffer, sum, 0);
+  gpu::Image& sum = record_shaded_samples(recorder, setup);
   record_resolve(recorder, setup, sum);
   record_filter(recorder, setup, sum);
 }
@@ -77,7 +66,7 @@ const Technique kFxaa = TechniqueOf<FxaaParameters>{
                               "how far an edge is followed in each direction: quality against time", "pixels"),
                field::alpha(), field::resolve(), field::shading()},
     .maps = {{"changed", "Pixels the filter changed", "", 1}},
-    .layout = layout,
+    .layout = full_sample_layout,
     .record = record,
 };
 

@@ -1,7 +1,6 @@
 // Deferred shading of n full G-buffer samples, every one of them lit: the brute force all techniques are compared with.
 // Our passes find visibility first and write attributes of visible samples only, so more than 8 samples reuse one
 // group's buffer; the paper layout is that of the whole buffer, as a device would hold it.
-#include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
 
 namespace subpixel::replay {
@@ -11,22 +10,8 @@ struct NoaaParameters : CommonParameters {
   NoaaParameters() { samples = 1; }
 };
 
-MemoryLayout layout(const FrameSetup& setup) {
-  const double n = setup.samples;
-  // 16-byte G-buffer sample and 32-bit depth, as in the tables of the papers that use it as their baseline.
-  return {{"depth", 32 * n}, {"G-buffer samples", 128 * n}};
-}
-
 void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  setup.frontend.record_setup(recorder);
-  gpu::Image& visibility = record_visibility(recorder, setup);
-  gpu::Image& gbuffer = gbuffer_image(recorder, setup);
-  gpu::Image& sum = sum_image(recorder, setup);
-  for (std::uint32_t group = 0; group < setup.samples / gbuffer_group(setup.samples); ++group) {
-    record_gbuffer(recorder, setup, visibility, gbuffer, group);
-    record_sample_shading(recorder, setup, visibility, gbuffer, sum, group);
-  }
-  record_resolve(recorder, setup, sum);
+  record_resolve(recorder, setup, record_shaded_samples(recorder, setup));
 }
 
 void record_msaa(gpu::PassRecorder& recorder, const SetupFor<PrepassParameters>& setup) {
@@ -49,7 +34,7 @@ const Technique kNoaa = TechniqueOf<NoaaParameters>{
     .paper = "",
     .fields = {field::samples({1}), field::alpha(), field::resolve(), field::shading()},
     .maps = {},
-    .layout = layout,
+    .layout = full_sample_layout,
     .record = record,
 };
 
@@ -60,7 +45,7 @@ const Technique kMsaa = TechniqueOf<PrepassParameters>{
     .fields = {field::samples({4, 8, 16, 32, 64}), field::prepass(), field::alpha(), field::resolve(),
                field::shading()},
     .maps = {written_map()},
-    .layout = layout,
+    .layout = full_sample_layout,
     .record = record_msaa,
 };
 

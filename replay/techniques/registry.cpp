@@ -5,12 +5,13 @@
 
 namespace subpixel::replay {
 
-extern const Technique kNoaa, kFxaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming, kAgaa, kDcaa, kLinkedList,
-    kHybrid;
+extern const Technique kNoaa, kFxaa, kSmaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming, kAgaa, kDcaa,
+    kLinkedList, kHybrid;
 
 std::span<const Technique* const> techniques() {
   static constexpr const Technique* kAll[] = {
-      &kNoaa, &kFxaa, &kForward, &kMsaa, &kSimpleComplex, &kSbaa, &kStreaming, &kAgaa, &kDcaa, &kLinkedList, &kHybrid,
+      &kNoaa, &kFxaa,      &kSmaa, &kForward, &kMsaa,       &kSimpleComplex,
+      &kSbaa, &kStreaming, &kAgaa, &kDcaa,    &kLinkedList, &kHybrid,
   };
   return kAll;
 }

@@ -46,7 +46,9 @@ class HardCases : public testing::TestWithParam<const Technique*> {
   FrameRun run(FrameScene& scene, const ParameterValues& given = {}) const {
     return run_frame(scene, technique().with(given));
   }
-  bool single_sample() const { return technique().name == "noaa" || technique().name == "fxaa"; }
+  bool single_sample() const {
+    return technique().name == "noaa" || technique().name == "fxaa" || technique().name == "smaa";
+  }
 };
 
 // No pixel is NaN, infinite or negative; no pixel is lit more often than it has samples.
