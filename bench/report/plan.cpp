@@ -31,10 +31,10 @@ constexpr std::array<std::string_view, 3> kListScenes{"city", "foliage", "park"}
 constexpr std::array<std::string_view, 3> kFlickerScenes{"city", "bamboo", "grass"};
 
 constexpr std::string_view kSweeps =
-    "noaa,msaa:samples=8|4,fxaa,forward:samples=8|64,simple_complex:samples=8|4,sbaa:surfaces=2|4|6,"
+    "noaa,msaa:samples=8|4,fxaa,smaa,forward:samples=8|64,simple_complex:samples=8|4,sbaa:surfaces=2|4|6,"
     "streaming:surfaces=2..4,streaming:samples=4,streaming:discard=resolved,streaming:occlusion=depth_test,"
     "linked_list:samples=8|4,agaa:aggregates=1..4,agaa:samples=16,agaa:ndf=sggx,"
-    "dcaa:surfaces=2|4|8,hybrid:surfaces=2|4";
+    "dcaa:surfaces=2|4|8,dcaa:second_merge=nearest,hybrid:surfaces=2|4";
 // Kerzner and Salvi 2014, Crassin et al. 2016. Where agaa is held against simple_complex, that is set to lose nothing:
 // any difference of normals within a pixel makes it complex.
 constexpr std::string_view kHd =
@@ -43,11 +43,13 @@ constexpr std::string_view kHd =
     "agaa:aggregates=3:samples=4|8|32,agaa:ndf=sggx";
 // Wang et al. 2015; Fridvalszky and Toth 2020 for the lists' blocks.
 constexpr std::string_view kFullHd =
-    "msaa:samples=8,forward:samples=8,sbaa:surfaces=4,dcaa:surfaces=2|4|8,linked_list:samples=8,hybrid";
+    "msaa:samples=8,forward:samples=8,sbaa:surfaces=4,dcaa:surfaces=2|4|8,dcaa:second_merge=nearest,linked_list:"
+    "samples=8,hybrid";
 constexpr std::string_view kDensities = "simple_complex:samples=8|4,streaming:samples=8|4";
 constexpr std::string_view kAggregateTimes =
     "simple_complex:samples=8|32:normal_threshold=1:shading=blinn_phong|ggx,agaa:samples=8|32:shading=blinn_phong|ggx";
-constexpr std::string_view kListTimes = "noaa,msaa:samples=4|8,linked_list:samples=4|8,linked_list:samples=4|8:pool=0";
+constexpr std::string_view kListTimes =
+    "noaa,msaa:samples=4|8,msaa:samples=4|8:prepass=false,linked_list:samples=4|8,linked_list:samples=4|8:pool=0";
 constexpr std::string_view kFlicker = "msaa:samples=8,forward:samples=8,sbaa:surfaces=2|4,agaa,dcaa,hybrid";
 
 template <class Names>

@@ -127,7 +127,7 @@ const Technique kSmaa = TechniqueOf<SmaaParameters>{
                               {"ultra", SmaaQuality::ultra}}),
                field::choice("edges", &SmaaParameters::edges, "what an edge is a step of",
                              {{"luma", SmaaEdges::luma}, {"colour", SmaaEdges::colour}}),
-               field::number("threshold", &SmaaParameters::threshold, {kOfQuality, 0.5},
+               field::number("threshold", &SmaaParameters::threshold, {kOfQuality, 1},
                              "least step of an edge in display values; below 0: the quality's"),
                field::number("adaptation", &SmaaParameters::adaptation, {1, 1000},
                              "an edge is lost beside one of more than so many times its contrast"),

@@ -165,7 +165,7 @@ TEST(Smaa, RefusesParametersOutOfRange) {
   expect_refused("smaa", {{"samples", 4}});
   expect_refused("smaa", {{"search_steps", 113}});
   expect_refused("smaa", {{"diagonal_steps", -2}});
-  expect_refused("smaa", {{"threshold", 0.6}});
+  expect_refused("smaa", {{"threshold", 1.5}});
   expect_refused("smaa", {{"quality", "best"}});
 }
 
