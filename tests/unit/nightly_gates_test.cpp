@@ -16,7 +16,11 @@ NightFrame frame_of(const std::string& technique, std::uint32_t frame, double ms
   result.samples = technique == "noaa" ? 1 : 8;
   result.ms.total_ms = ms;
   result.ms.spread_ms = 0.1 * ms;
-  result.memory = {160, 96, 16000, 9600, 20000};
+  result.memory = {.paper_bytes_per_pixel = 160,
+                   .paper_bytes = 16000,
+                   .fitted_bytes_per_pixel = 96,
+                   .fitted_bytes = 9600,
+                   .allocated_bytes = 20000};
   result.shading.executions = 800;
   result.counters = {{"triangles", 12}, {"invalid_pixels", 0}};
   result.error.mse = 1e-3;

@@ -193,7 +193,7 @@ PairError& pair_of(Run& run, const ImagePair& pair) {
 }
 
 TEST(ReportVerdict, LookAlikesAreHeldToTheirYardstick) {
-  Run run = sweep("grass", {made_up("streaming")});
+  report::Run run = sweep("grass", {made_up("streaming")});
   const char* title = "streaming: three surfaces look like 8x MSAA";
   pair_of(run, {{"streaming", {}}, {"forward", {}}}).flip_mean = 0.02;
   EXPECT_TRUE(compare(title, {{run}}).empty());  // nothing to hold it to
@@ -228,7 +228,7 @@ TEST(ReportVerdict, TheKneeIsWhereMorePlacesBringLess) {
 }
 
 TEST(ReportVerdict, SteadinessIsTheMeanOverFrames) {
-  Run run = sweep("city", {});
+  report::Run run = sweep("city", {});
   run.plan.kind = RunKind::frames;
   const double ours[] = {std::nan(""), 0.1, 0.3}, theirs[] = {std::nan(""), 0.2, 0.21};
   for (int i = 0; i < 3; ++i) {
@@ -248,8 +248,8 @@ TEST(ReportVerdict, APublicationIsJudgedAtItsSize) {
   FrameResult better = made_up("dcaa"), worse = made_up("dcaa");
   better.error.mse = 0.5e-4;
   worse.error.mse = 2e-4;
-  Run small = sweep("city", {worse, made_up("forward")}), large = sweep("city", {better, made_up("forward")}),
-      other = sweep("fur", {worse, made_up("forward")});
+  report::Run small = sweep("city", {worse, made_up("forward")}), large = sweep("city", {better, made_up("forward")}),
+              other = sweep("fur", {worse, made_up("forward")});
   small.plan.width = other.plan.width = 640;
   large.plan.width = 1920;
   large.plan.kind = RunKind::paper;
@@ -269,7 +269,7 @@ TEST(ReportWinners, KeepToTheirBudgets) {
   slow.error.mse = 0.5e-4;
   slow.ms.total_ms = 101;
   small.error.mse = 9e-4;
-  small.memory.fitted_bytes_per_pixel = 17;
+  small.memory.paper_bytes_per_pixel = 17;
   small.ms.total_ms = 20;
   replay::Results results;
   results.results = {msaa, quick, slow, small};
@@ -333,7 +333,8 @@ TEST(ReportDocument, AReasonStandsOnlyWhereAClaimFails) {
   FrameResult better = made_up("dcaa"), worse = made_up("dcaa");
   better.error.mse = 0.5e-4;
   worse.error.mse = 2e-4;
-  const auto good = sweep("bamboo", {better, made_up("forward")}), bad = sweep("city", {worse, made_up("forward")});
+  const auto good = sweep("bamboo", {better, made_up("forward"), made_up("msaa")}),
+             bad = sweep("city", {worse, made_up("forward"), made_up("msaa")});
   const std::string held = make_document({{good}}, {claim}, "command").markdown;
   EXPECT_NE(held.find("| 0.50 times the MSE | held |"), std::string::npos) << held;
   EXPECT_EQ(held.find("Because of"), std::string::npos) << held;

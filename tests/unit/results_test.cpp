@@ -26,8 +26,16 @@ FrameResult example(const std::string& technique, std::uint32_t samples, std::ui
   result.ms.passes = {{"visibility", ms * 0.75}, {"lighting", ms * 0.25}};
   result.ms.spread_ms = 0.5;
   result.ms.cold_ms = 900;
-  result.memory = {160, 128, 160 * 640 * 360, 128 * 640 * 360, 5'000'000'000};
-  result.shading = {230400, 1.0, {0, 230400}, {{"visibility", 500000}}};
+  result.memory = {.paper_bytes_per_pixel = 160,
+                   .paper_bytes = 160 * 640 * 360,
+                   .fitted_bytes_per_pixel = 128,
+                   .fitted_bytes = 128 * 640 * 360,
+                   .allocated_bytes = 5'000'000'000};
+  result.shading = {.executions = 230400,
+                    .per_pixel_mean = 1.0,
+                    .histogram = {0, 230400},
+                    .group_executions = 230400,
+                    .fragments = {{"visibility", 500000}}};
   result.counters = {{"fragments", 123456789012}};
   result.images = {{"image", "0_msaa.png"}};
   return result;
@@ -131,7 +139,7 @@ TEST(Results, CsvHasOneLineForEachResultAndAllColumns) {
   EXPECT_NE(csv.find(",pass_visibility_ms,pass_lighting_ms,pass_visibility_fragments,counter_fragments\r\n"),
             std::string::npos);
   EXPECT_NE(csv.find("\r\n0,\"a \"\"quoted\"\", name\",weight=equal,1,640,360,50,0.5,900,"), std::string::npos);
-  EXPECT_NE(csv.find(",0;230400,0.001,,,,,,,300,100,500000,123456789012\r\n"), std::string::npos);
+  EXPECT_NE(csv.find(",0;230400,230400,0.001,,,,,,,300,100,500000,123456789012\r\n"), std::string::npos);
 }
 
 TEST(Results, TableAveragesFramesAndStatesRatios) {
