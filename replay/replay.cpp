@@ -67,11 +67,16 @@ ReferenceKind reference_kind(const TechniqueSetting& setting) {
   return {setting.parameters->shading, setting.parameters->resolve};
 }
 
-// What is to be replayed of the capture; the other frames are empty, so that numbers stay.
-capture::Capture read_frames(const ReplayJob& job) {
+// What is to be replayed of the capture and what that takes its history from; the other frames are empty, so that
+// numbers stay.
+capture::Capture read_frames(const ReplayJob& job, const std::vector<TechniqueSetting>& planned) {
   const capture::CaptureFile file(job.capture);
   const auto [first, last] = require_frames(job.options, file.frame_count());
-  return file.load(first, last);
+  std::uint32_t history = 0;
+  for (const TechniqueSetting& setting : planned)
+    if (const auto* temporal = dynamic_cast<const TemporalParameters*>(setting.parameters.get()))
+      history = std::max(history, temporal->history);
+  return file.load(first - std::min(history, first), last);
 }
 
 class Replay {
@@ -82,7 +87,7 @@ class Replay {
         events_(events),
         inspection_(inspection),
         planned_(plan(job.options)),
-        capture_(read_frames(job)),
+        capture_(read_frames(job, planned_)),
         device_(device_options(inspection)) {}
 
   Results run();
@@ -234,7 +239,6 @@ const Reference* Replay::reference_for(std::uint32_t frame, const TechniqueSetti
 FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   const TechniqueSetting& planned = planned_[which];
   now("prepare");
-  RecordedFrame recorded(*scene_, planned);
   FrameResult result;
   result.frame = frame;
   result.technique = planned.technique->name;
@@ -242,15 +246,20 @@ FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   result.samples = planned.parameters->samples;
   result.width = width_;
   result.height = height_;
-  now("submit");
-  result.ms = recorded.time(options_.repeat);
-  result.memory = recorded.memory();
-  result.shading.fragments = recorded.count_fragments();
-  result.counters = recorded.counters();
-  now("measure");
   const std::string stem = fmt::format("frame{:04}_{:02}_{}", frame, which, result.technique);
-  measure(result, recorded.images(), which, stem);
-  inspect(recorded, result, stem);
+  FrameImages images;
+  {  // before the reference, which shows the scene without jitter
+    RecordedFrame recorded(*scene_, planned);
+    now("submit");
+    result.ms = recorded.time(options_.repeat);
+    result.memory = recorded.memory();
+    result.shading.fragments = recorded.count_fragments();
+    result.counters = recorded.counters();
+    now("measure");
+    images = recorded.images();
+    inspect(recorded, result, stem);
+  }
+  measure(result, std::move(images), which, stem);
   return result;
 }
 

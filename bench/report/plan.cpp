@@ -31,7 +31,7 @@ constexpr std::array<std::string_view, 3> kListScenes{"city", "foliage", "park"}
 constexpr std::array<std::string_view, 3> kFlickerScenes{"city", "bamboo", "grass"};
 
 constexpr std::string_view kSweeps =
-    "noaa,msaa:samples=8|4,fxaa,smaa,forward:samples=8|64,simple_complex:samples=8|4,sbaa:surfaces=2|4|6,"
+    "noaa,msaa:samples=8|4,fxaa,smaa,taa,forward:samples=8|64,simple_complex:samples=8|4,sbaa:surfaces=2|4|6,"
     "streaming:surfaces=2..4,streaming:samples=4,streaming:discard=resolved,streaming:occlusion=depth_test,"
     "linked_list:samples=8|4,agaa:aggregates=1..4,agaa:samples=16,agaa:ndf=sggx,"
     "dcaa:surfaces=2|4|8,dcaa:second_merge=nearest,hybrid:surfaces=2|4";
@@ -50,7 +50,7 @@ constexpr std::string_view kAggregateTimes =
     "simple_complex:samples=8|32:normal_threshold=1:shading=blinn_phong|ggx,agaa:samples=8|32:shading=blinn_phong|ggx";
 constexpr std::string_view kListTimes =
     "noaa,msaa:samples=4|8,msaa:samples=4|8:prepass=false,linked_list:samples=4|8,linked_list:samples=4|8:pool=0";
-constexpr std::string_view kFlicker = "msaa:samples=8,forward:samples=8,sbaa:surfaces=2|4,agaa,dcaa,hybrid";
+constexpr std::string_view kFlicker = "taa,msaa:samples=8,forward:samples=8,sbaa:surfaces=2|4,agaa,dcaa,hybrid";
 
 template <class Names>
 bool contains(const Names& names, std::string_view name) {

@@ -41,7 +41,7 @@ std::string counts(const std::map<std::string, int>& wins) {
 
 // What the publications are about: all but the baselines, which store every sample or no G-buffer.
 bool compresses(const Summary& summary) {
-  constexpr std::string_view kBaselines[] = {"noaa", "fxaa", "smaa", "forward", "msaa", "simple_complex"};
+  constexpr std::string_view kBaselines[] = {"noaa", "fxaa", "smaa", "taa", "forward", "msaa", "simple_complex"};
   return std::ranges::find(kBaselines, summary.technique) == std::end(kBaselines);
 }
 

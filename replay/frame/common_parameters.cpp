@@ -43,6 +43,19 @@ Field<OrderedParameters> order() {
       {{"lists", FragmentOrder::lists}, {"one_pass", FragmentOrder::one_pass}});
 }
 
+Field<TemporalParameters> history() {
+  return integer("history", &TemporalParameters::history, {0, 256},
+                 "frames that are run before a frame for what it takes from the past; the first stands for those that "
+                 "the capture lacks",
+                 "frames");
+}
+
+Field<TemporalParameters> jitter() {
+  return integer(
+      "jitter", &TemporalParameters::jitter, one_of({1, 2, 4, 8, 16, 32}),
+      "places of the sample in the pixel, points of Halton's sequence that frames take in turns; 1: the centre");
+}
+
 }  // namespace field
 
 gpu::Constants common_constants(const CommonParameters& parameters) {

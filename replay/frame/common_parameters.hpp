@@ -33,12 +33,22 @@ struct OrderedParameters : CommonParameters {
   FragmentOrder order = FragmentOrder::lists;
 };
 
+// Of techniques whose image is accumulated over frames. An image of frame k is made of the frames k - history to k, run
+// one after the other for it alone, so that it does not depend on what else was run; the first frame stands for those
+// before it.
+struct TemporalParameters : CommonParameters {
+  std::uint32_t history = 16;
+  std::uint32_t jitter = 8;  // places of the sample in the pixel, which frames take in turns; 1: its centre
+};
+
 namespace field {
 Field<CommonParameters> samples(const std::vector<double>& allowed);
 Field<CommonParameters> alpha();
 Field<CommonParameters> resolve();
 Field<CommonParameters> shading();
 Field<OrderedParameters> order();
+Field<TemporalParameters> history();
+Field<TemporalParameters> jitter();
 }  // namespace field
 
 // Specialization constants of shading model, alpha decision and resolve.

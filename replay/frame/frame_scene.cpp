@@ -16,6 +16,15 @@ void FrameScene::set_frame(const FrameChoice& choice) {
   width_ = choice.width == 0 ? recorded.width : choice.width;
   height_ = choice.height == 0 ? recorded.height : choice.height;
   scene.set_frame(frame_, width_, height_);
+  jitter_ = {0, 0};
+  prepared_samples_ = 0;
+  fragments_.clear();
+}
+
+void FrameScene::set_jitter(const glm::dvec2& jitter) {
+  if (jitter == jitter_) return;
+  jitter_ = jitter;
+  scene.set_jitter(jitter);
   prepared_samples_ = 0;
   fragments_.clear();
 }

@@ -25,6 +25,9 @@ class FrameScene {
   // Makes another frame current, or the same at another size.
   void set_frame(const FrameChoice& choice);
 
+  // GpuScene::set_jitter().
+  void set_jitter(const glm::dvec2& jitter);
+
   // Sizes the front-end for the current frame at `samples` a pixel, by runs on the spot; nothing when it is sized so.
   void prepare(std::uint32_t samples);
   // The current frame as it is prepared.
@@ -41,6 +44,7 @@ class FrameScene {
 
  private:
   std::uint32_t frame_ = 0, width_ = 0, height_ = 0;
+  glm::dvec2 jitter_{0};
   std::uint32_t prepared_samples_ = 0;  // 0: the front-end is not prepared for this frame
   SmallTriangles small_ = SmallTriangles::as_hulls;
   // By samples, whether of visible triangles alone, and then the alpha decision.

@@ -9,6 +9,7 @@
 
 #include "replay/frame/common_parameters.hpp"
 #include "replay/frontend/fragment_lists.hpp"
+#include "replay/scene/motion.hpp"
 
 namespace subpixel::replay {
 
@@ -18,6 +19,8 @@ struct FrameOutputs {
   gpu::Image* display = nullptr;   // RGBA32F: rgb display values in [0, 1]
   // Further maps by the name of their MapDescription: R32_UINT, one value a pixel.
   std::vector<std::pair<std::string, gpu::Image*>> maps;
+  // What the passes of the next frame read, of techniques that accumulate frames.
+  std::vector<gpu::Image*> history;
   // Counters filled by the technique's host steps while the passes run.
   std::map<std::string, std::uint64_t> counters;
 };
@@ -36,6 +39,10 @@ struct FrameSetup : FrontendFrame {
   const std::uint32_t samples;
   // Of techniques that go through lists of fragments, where this frame has them.
   std::optional<FragmentListSizes> lists;
+  // Of techniques that accumulate frames: what the frame before left, nothing for the first one, and how the scene
+  // moved since.
+  std::vector<gpu::Image*> history;
+  std::optional<FrameMotion> motion;
 };
 
 // The same for a technique whose parameters are `P`. Throws std::bad_cast when they are another's.

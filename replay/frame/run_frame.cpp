@@ -49,11 +49,42 @@ FrameImages download_images(gpu::Device& device, const FrameOutputs& outputs) {
   return images;
 }
 
+FrameSetup RecordedFrame::prepare_step(const TemporalParameters& parameters, std::uint32_t current, std::uint32_t steps,
+                                       const Past* before, FrameOutputs& outputs) {
+  const std::uint32_t frame = current - std::min(steps, current);
+  const glm::dvec2 jitter = jitter_of(std::int64_t{current} - steps, parameters.jitter);
+  if (scene_.frame() != frame) scene_.set_frame({frame, scene_.width(), scene_.height()});
+  scene_.set_jitter(jitter);
+  FrameSetup setup = prepare_frame(scene_, setting_, outputs);
+  const std::uint32_t frame_before = before ? current - std::min(steps + 1, current) : frame;
+  setup.motion = frame_motion(scene_.capture, frame, frame_before, jitter, {scene_.width(), scene_.height()});
+  if (before) setup.history = before->outputs.history;
+  return setup;
+}
+
+std::unique_ptr<RecordedFrame::Past> RecordedFrame::run_history() {
+  const auto* const temporal = dynamic_cast<const TemporalParameters*>(setting_.parameters.get());
+  std::unique_ptr<Past> past;
+  const std::uint32_t current = scene_.frame();
+  for (std::uint32_t steps = temporal ? temporal->history : 0; steps > 0; --steps) {
+    auto next = std::make_unique<Past>(scene_.frontend.device());
+    const FrameSetup setup = prepare_step(*temporal, current, steps, past.get(), next->outputs);
+    setting_.technique->record(next->recorder, setup);
+    next->recorder.run();
+    past = std::move(next);
+  }
+  if (scene_.frame() != current) scene_.set_frame({current, scene_.width(), scene_.height()});
+  return past;
+}
+
+FrameSetup RecordedFrame::prepare() {
+  const auto* const temporal = dynamic_cast<const TemporalParameters*>(setting_.parameters.get());
+  if (!temporal) return prepare_frame(scene_, setting_, outputs_);
+  return prepare_step(*temporal, scene_.frame(), 0, past_.get(), outputs_);
+}
+
 RecordedFrame::RecordedFrame(FrameScene& scene, const TechniqueSetting& setting)
-    : scene_(scene),
-      setting_(setting),
-      setup_(prepare_frame(scene, setting_, outputs_)),
-      recorder_(scene.frontend.device()) {
+    : scene_(scene), setting_(setting), past_(run_history()), setup_(prepare()), recorder_(scene.frontend.device()) {
   setting_.technique->record(recorder_, setup_);
 }
 
@@ -86,6 +117,7 @@ Memory RecordedFrame::memory() const {
   for (const auto& entry : setting_.technique->layout(setup_)) memory.paper_bytes_per_pixel += entry.bits_per_pixel / 8;
   memory.paper_bytes = static_cast<std::uint64_t>(memory.paper_bytes_per_pixel * pixels);
   memory.allocated_bytes = recorder_.allocated_bytes();
+  for (const gpu::Image* image : setup_.history) memory.allocated_bytes += image->bytes();
   memory.fitted_bytes = memory.allocated_bytes - outputs_.radiance->bytes() - outputs_.display->bytes();
   for (const auto& [name, map] : outputs_.maps) memory.fitted_bytes -= map->bytes();
   memory.fitted_bytes_per_pixel = static_cast<double>(memory.fitted_bytes) / pixels;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,13 @@ struct FrameImages {
 FrameImages download_images(gpu::Device& device, const FrameOutputs& outputs);
 
 // The passes of a technique for the scene's current frame, to be run any number of times. The scene may not change
-// meanwhile.
+// meanwhile. Of techniques that accumulate frames, the frames before have been run, untimed, for their history.
 class RecordedFrame {
  public:
   RecordedFrame(FrameScene& scene, const TechniqueSetting& setting);
+  ~RecordedFrame() { scene_.set_jitter({0, 0}); }
+  RecordedFrame(const RecordedFrame&) = delete;
+  RecordedFrame& operator=(const RecordedFrame&) = delete;
 
   // Runs all passes once; returns their ms.
   double run();
@@ -45,8 +49,21 @@ class RecordedFrame {
   std::map<std::string, std::uint64_t> count_fragments();
 
  private:
+  // A frame whose outputs the next one reads.
+  struct Past {
+    explicit Past(gpu::Device& device) : recorder(device) {}
+    FrameOutputs outputs;
+    gpu::PassRecorder recorder;
+  };
+  std::unique_ptr<Past> run_history();
+  // `steps` frames before the scene's current one, of a technique that accumulates them.
+  FrameSetup prepare_step(const TemporalParameters& parameters, std::uint32_t current, std::uint32_t steps,
+                          const Past* before, FrameOutputs& outputs);
+  FrameSetup prepare();
+
   FrameScene& scene_;
   TechniqueSetting setting_;
+  std::unique_ptr<Past> past_;
   FrameOutputs outputs_;
   FrameSetup setup_;
   gpu::PassRecorder recorder_;

@@ -53,6 +53,13 @@ Camera camera_of(const capture::Frame& frame, std::uint32_t index) {
   return camera;
 }
 
+glm::dmat4 moved_image(const glm::dvec2& pixels, const glm::dvec2& size) {
+  glm::dmat4 move(1);
+  move[3][0] = 2 * pixels.x / size.x;
+  move[3][1] = 2 * pixels.y / size.y;
+  return move;
+}
+
 std::vector<glm::dvec3> visible_corners(const Camera& camera, const Bounds& bounds,
                                         const std::optional<HalfSpace>& part) {
   std::vector<glm::dvec3> corners;

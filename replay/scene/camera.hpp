@@ -23,6 +23,9 @@ glm::dmat4 matrix(const capture::Matrix4& column_major);
 // naming the frame when a matrix is not finite or can't be inverted.
 Camera camera_of(const capture::Frame& frame, std::uint32_t index);
 
+// In clip space: what moves an image of `size` pixels by `pixels` to the right and down.
+glm::dmat4 moved_image(const glm::dvec2& pixels, const glm::dvec2& size);
+
 // Points p with dot(normal, p) + offset >= 0; the normal is unit.
 struct HalfSpace {
   glm::dvec3 normal{0};

@@ -118,6 +118,7 @@ struct GpuScene::Impl {
   std::map<SamplerKey, gpu::Sampler> samplers;
   std::unique_ptr<gpu::MaterialSets> sets;
   std::vector<VkDescriptorSet> set_of_material;
+  Camera camera;                        // of the current frame
   std::vector<Bounds> instance_bounds;  // of the current frame, world space
   std::uint64_t triangle_count = 0;
 
@@ -289,6 +290,7 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
   const Camera camera = camera_of(frame, index);
   auto& value = constants_value_;
   value = {};
+  impl_->camera = camera;
   value.view_projection = glm::mat4(camera.view_projection);
   value.inverse_view_projection = glm::mat4(camera.inverse_view_projection);
   value.view = glm::mat4(camera.view);
@@ -335,6 +337,14 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
   }
   frame_constants.as<gpu_types::FrameConstants>()[0] = value;
   if (fit) render_shadow_map(device_, *this, impl_->instance_bounds, *fit);
+}
+
+void GpuScene::set_jitter(const glm::dvec2& jitter) {
+  auto& value = constants_value_;
+  const glm::dvec2 size(value.viewport.x, value.viewport.y);
+  value.view_projection = glm::mat4(moved_image(-jitter, size) * impl_->camera.view_projection);
+  value.inverse_view_projection = glm::mat4(impl_->camera.inverse_view_projection * moved_image(jitter, size));
+  frame_constants.as<gpu_types::FrameConstants>()[0] = value;
 }
 
 std::uint64_t GpuScene::triangle_count() const {

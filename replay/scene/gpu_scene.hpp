@@ -48,6 +48,9 @@ class GpuScene {
 
   // Makes frame `index` current at `width` x `height` pixels: instances, constants and the shadow map.
   void set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t height);
+  // Moves the current frame's image so that what lies `jitter` pixels from a pixel's centre is there; of a new frame:
+  // 0.
+  void set_jitter(const glm::dvec2& jitter);
 
   const capture::Capture& capture() const { return capture_; }
   SceneFeatures features() const { return features_; }

@@ -158,7 +158,10 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
 
 gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   setup.frontend.record_setup(recorder);
-  gpu::Image& visibility = record_visibility(recorder, setup);
+  return record_shaded_samples(recorder, setup, record_visibility(recorder, setup));
+}
+
+gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility) {
   gpu::Image& gbuffer = gbuffer_image(recorder, setup);
   gpu::Image& sum = sum_image(recorder, setup);
   for (std::uint32_t group = 0; group < setup.samples / gbuffer_group(setup.samples); ++group) {

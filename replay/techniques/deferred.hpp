@@ -49,6 +49,8 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
                            gpu::Image& gbuffer, gpu::Image& sum, std::uint32_t group);
 // From the front-end's set-up to shading: the sum over every sample, all of them lit.
 gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup);
+// From the G-buffer on.
+gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility);
 
 // A list of pixels that compute passes work through (shaders/deferred/pixel_list.glsl).
 struct PixelList {

@@ -5,13 +5,13 @@
 
 namespace subpixel::replay {
 
-extern const Technique kNoaa, kFxaa, kSmaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming, kAgaa, kDcaa,
+extern const Technique kNoaa, kFxaa, kSmaa, kTaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming, kAgaa, kDcaa,
     kLinkedList, kHybrid;
 
 std::span<const Technique* const> techniques() {
   static constexpr const Technique* kAll[] = {
-      &kNoaa, &kFxaa,      &kSmaa, &kForward, &kMsaa,       &kSimpleComplex,
-      &kSbaa, &kStreaming, &kAgaa, &kDcaa,    &kLinkedList, &kHybrid,
+      &kNoaa, &kFxaa,      &kSmaa, &kTaa,  &kForward,    &kMsaa,   &kSimpleComplex,
+      &kSbaa, &kStreaming, &kAgaa, &kDcaa, &kLinkedList, &kHybrid,
   };
   return kAll;
 }

@@ -36,6 +36,7 @@ inline PathImage technique_path(const capture::Capture& capture, std::string_vie
   // A filter of finished images would move what tests look for.
   if (technique == "fxaa") given["least_contrast"] = 1;
   if (technique == "smaa") given["threshold"] = 1;
+  if (technique == "taa") given.insert({{"history", 0}, {"jitter", 1}});
   PathImage path{std::string(technique) + " " + nlohmann::json(given).dump(), {}, {}};
   for (const glm::vec4& pixel : run_technique(capture, technique, given, width, height).radiance)
     path.radiance.emplace_back(pixel);

@@ -111,5 +111,21 @@ TEST_F(ReplayMeasures, MemoryIsWhatThePassesKeep) {
   EXPECT_EQ(allocated(2) - fitted(2), 2 * 16 + 4 * 4);
 }
 
+// What accumulates frames reads those before the wanted ones from the file too.
+TEST_F(ReplayMeasures, AFrameAloneHasTheHistoryItHasAmongOthers) {
+  const std::string options = "--techniques taa:history=2,noaa --reference-samples 16 --frames ";
+  const json all = replay("city scene.spcap --frames 4 --size 48x27", options + "0-3").at("results");
+  const json alone = replay("city scene.spcap --frames 4 --size 48x27", options + "3-3").at("results");
+  ASSERT_EQ(all.size(), 8u);
+  ASSERT_EQ(alone.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const json &a = all.at(6 + i), &b = alone.at(i);
+    EXPECT_EQ(a.at("technique"), b.at("technique"));
+    EXPECT_EQ(a.at("error").at("mse"), b.at("error").at("mse"));
+    EXPECT_EQ(a.at("shading"), b.at("shading"));
+  }
+  EXPECT_LT(all.at(6).at("error").at("mse"), all.at(7).at("error").at("mse"));
+}
+
 }  // namespace
 }  // namespace subpixel::tests

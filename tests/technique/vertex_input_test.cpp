@@ -112,8 +112,8 @@ TEST(SceneVertexInputs, AlphaOfColoursCounts) {
   };
   for (const PathImage& path : every_path(capture, 32, 32)) {
     // One sample shows all or nothing of a blended surface; others in steps.
-    const bool one_sample =
-        path.name.starts_with("noaa") || path.name.starts_with("fxaa") || path.name.starts_with("smaa");
+    const bool one_sample = path.name.starts_with("noaa") || path.name.starts_with("fxaa") ||
+                            path.name.starts_with("smaa") || path.name.starts_with("taa");
     const ExpectedAt upper = [&](double x, double y) { return y < 16 || !one_sample ? expected(x, y) : std::nullopt; };
     expect_image(path, 32, upper, 0.14, 0.12);
   }
