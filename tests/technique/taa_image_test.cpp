@@ -158,6 +158,7 @@ TEST(Taa, ComesNearManySamples) {
 capture::Capture moving_stripes(int frames, int step, bool same_name) {
   capture::Capture capture = flat_capture(48, 24);
   std::vector<std::uint32_t> materials;
+  materials.reserve(3);
   for (int m = 0; m < 3; ++m)
     materials.push_back(add_emitter(capture, {0.2f + 0.3f * static_cast<float>(m), 0.5f, m == 1 ? 0.9f : 0.1f}));
   for (int k = 0; k < 8; ++k) {
