@@ -37,6 +37,7 @@ FrameSetup prepare_frame(FrameScene& scene, const TechniqueSetting& setting, Fra
   const auto* const ordered = dynamic_cast<const OrderedParameters*>(&parameters);
   if (setting.technique->lists && ordered && ordered->order == FragmentOrder::lists)
     setup.lists = measure_fragment_lists(setup, *setting.technique->lists);
+  if (setting.technique->lists == ListedMasks::visible) setup.lists = measure_visible_fragments(setup);
   if (setup.lists) outputs.counters["listed_fragments"] = setup.lists->count;
   return setup;
 }

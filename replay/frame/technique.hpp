@@ -44,7 +44,8 @@ struct Technique {
   std::function<std::shared_ptr<const CommonParameters>(const ParameterValues& checked)> read;
   std::function<MemoryLayout(const FrameSetup&)> layout;
   std::function<void(gpu::PassRecorder&, const FrameSetup&)> record;
-  // Whose passes go through lists of fragments where their order (OrderedParameters) is by lists: with these masks.
+  // Whose passes go through lists of fragments: always, of what is visible, or where their order (OrderedParameters) is
+  // by lists, with these masks.
   std::optional<ListedMasks> lists;
 
   // `given` (text or JSON scalars by name) and the defaults for the rest. Throws UsageError naming the valid

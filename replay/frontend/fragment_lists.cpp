@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "replay/frontend/list_passes.hpp"
+#include "replay/frontend/visibility.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -59,15 +60,10 @@ void record_collection(gpu::PassRecorder& recorder, const FrontendFrame& frame, 
   frontend.record_geometry(recorder, std::move(rest));
 }
 
-// Counts the fragments of pixels and records and turns the counts into bases.
-void record_counting(gpu::PassRecorder& recorder, const FrontendFrame& frame, const Counted& counted,
-                     const FragmentLists& lists, const std::string& name, ListedMasks masks) {
+// Turns counts of records and pixels into bases.
+void record_all_bases(gpu::PassRecorder& recorder, const FrontendFrame& frame, const Counted& counted,
+                      const std::string& name) {
   Frontend& frontend = frame.frontend;
-  frontend.record_small_list(recorder, name, true);
-  recorder.fill(name, *counted.ends, 0);
-  recorder.fill(name, *counted.bases, 0);
-  record_collection(recorder, frame, lists, name, masks, "COUNT");
-
   gpu::ComputePass bases;
   bases.name = name;
   bases.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, frontend.counts()),
@@ -86,6 +82,47 @@ void record_counting(gpu::PassRecorder& recorder, const FrontendFrame& frame, co
   record_bases(recorder, name, *counted.ends, *counted.pixel_sums, frame.width * frame.height);
 }
 
+// Counts the fragments of pixels and records and turns the counts into bases.
+void record_counting(gpu::PassRecorder& recorder, const FrontendFrame& frame, const Counted& counted,
+                     const FragmentLists& lists, const std::string& name, ListedMasks masks) {
+  frame.frontend.record_small_list(recorder, name, true);
+  recorder.fill(name, *counted.ends, 0);
+  recorder.fill(name, *counted.bases, 0);
+  record_collection(recorder, frame, lists, name, masks, "COUNT");
+  record_all_bases(recorder, frame, counted, name);
+}
+
+// The visible fragments, counted (COUNT) or stored (STORE).
+void record_visible_pass(gpu::PassRecorder& recorder, const FrontendFrame& frame, gpu::Image& visibility,
+                         const FragmentLists& lists, const std::string& name, const std::string& variant) {
+  gpu::ComputePass pass;
+  pass.name = name;
+  pass.shader = "frontend/visible_fragments.comp:" + variant;
+  pass.constants = frame.frontend.constants();
+  pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility)};
+  pass.push = gpu::PushConstants(
+      gpu_types::VisibleFragmentsPush{.lists = lists.writes(pass), .width = frame.width, .height = frame.height});
+  pass.groups = {(frame.width + 7) / 8, (frame.height + 7) / 8, 1};
+  recorder.compute(std::move(pass));
+}
+
+void record_visible_counting(gpu::PassRecorder& recorder, const FrontendFrame& frame, gpu::Image& visibility,
+                             const Counted& counted, const FragmentLists& lists, const std::string& name) {
+  recorder.fill(name, *counted.bases, 0);
+  record_visible_pass(recorder, frame, visibility, lists, name, "COUNT");
+  record_all_bases(recorder, frame, counted, name);
+}
+
+std::vector<FragmentLists::Batch> batches_of(const Frontend& frontend, const Counted& counted) {
+  const auto sums = counted.chunk_sums->as<glm::uvec4>();
+  std::vector<FragmentLists::Batch> batches;
+  for (const Frontend::Batch& batch : frontend.material_batches()) {
+    const std::uint64_t first = sums[batch.first_chunk].x, last = sums[batch.last_chunk].x;
+    if (first < last) batches.push_back({first, last, batch.material, batch.alpha_test});
+  }
+  return batches;
+}
+
 FragmentLists lists_of(const Counted& counted) {
   FragmentLists lists;  // without the two that are sized by counting, which does not touch them
   lists.ends = counted.ends;
@@ -95,6 +132,20 @@ FragmentLists lists_of(const Counted& counted) {
                                                 .numbers = 0,
                                                 .ends = counted.addresses->of(*lists.ends),
                                                 .bases = counted.addresses->of(*lists.bases)});
+  return lists;
+}
+
+// With room for the fragments.
+FragmentLists lists_of(gpu::PassRecorder& recorder, const Counted& counted, const FragmentListSizes& sizes) {
+  FragmentLists lists = lists_of(counted);
+  lists.count = sizes.count;
+  lists.batches = sizes.batches;
+  lists.fragments = &recorder.buffer("fragments", lists.count * 16);
+  lists.numbers = &recorder.buffer("fragment numbers", lists.count * 4);
+  lists.addresses->set(gpu_types::ListAddresses{.fragments = lists.addresses->of(*lists.fragments),
+                                                .numbers = lists.addresses->of(*lists.numbers),
+                                                .ends = lists.addresses->of(*lists.ends),
+                                                .bases = lists.addresses->of(*lists.bases)});
   return lists;
 }
 
@@ -138,29 +189,38 @@ std::optional<FragmentListSizes> measure_fragment_lists(const FrontendFrame& fra
       std::max(kMostFragmentsPerPixel * frame.width * frame.height, kMostFragmentsPerTriangle * frontend.hull_count());
   if (total > std::clamp(most, kAnyFragments, kMostFragments) || longest > kLongestList) return std::nullopt;
   if (longest > kLongestListOfShortLoops && !runs_long_loops(frontend.device())) return std::nullopt;
-  for (const Frontend::Batch& batch : frontend.material_batches()) {
-    const std::uint64_t first = sums[batch.first_chunk].x, last = sums[batch.last_chunk].x;
-    if (first < last) sizes.batches.push_back({first, last, batch.material, batch.alpha_test});
-  }
+  sizes.batches = batches_of(frontend, counted);
   return sizes;
+}
+
+FragmentListSizes measure_visible_fragments(const FrontendFrame& frame) {
+  gpu::PassRecorder counting(frame.frontend.device());
+  frame.frontend.record_setup(counting);
+  gpu::Image& visibility = record_visibility(counting, frame);
+  const Counted counted = make_counted(counting, frame);
+  record_visible_counting(counting, frame, visibility, counted, lists_of(counted), "measure");
+  counting.run();
+  FragmentListSizes sizes;
+  sizes.masks = ListedMasks::visible;
+  sizes.count = counted.chunk_sums->as<glm::uvec4>()[frame.frontend.chunk_count()].x;
+  sizes.batches = batches_of(frame.frontend, counted);
+  return sizes;
+}
+
+FragmentLists record_visible_fragments(gpu::PassRecorder& recorder, const FrontendFrame& frame, gpu::Image& visibility,
+                                       const FragmentListSizes& sizes, const std::string& name) {
+  const Counted counted = make_counted(recorder, frame);
+  record_visible_counting(recorder, frame, visibility, counted, lists_of(counted), name);
+  FragmentLists lists = lists_of(recorder, counted, sizes);
+  record_visible_pass(recorder, frame, visibility, lists, name, "STORE");
+  return lists;
 }
 
 FragmentLists record_fragment_lists(gpu::PassRecorder& recorder, const FrontendFrame& frame,
                                     const FragmentListSizes& sizes, const std::string& name) {
   const Counted counted = make_counted(recorder, frame);
   record_counting(recorder, frame, counted, lists_of(counted), name, sizes.masks);
-  FragmentLists lists;
-  lists.count = sizes.count;
-  lists.batches = sizes.batches;
-  lists.fragments = &recorder.buffer("fragments", lists.count * 16);
-  lists.numbers = &recorder.buffer("fragment numbers", lists.count * 4);
-  lists.ends = counted.ends;
-  lists.bases = counted.bases;
-  lists.addresses = counted.addresses;
-  lists.addresses->set(gpu_types::ListAddresses{.fragments = lists.addresses->of(*lists.fragments),
-                                                .numbers = lists.addresses->of(*lists.numbers),
-                                                .ends = lists.addresses->of(*lists.ends),
-                                                .bases = lists.addresses->of(*lists.bases)});
+  FragmentLists lists = lists_of(recorder, counted, sizes);
   record_collection(recorder, frame, lists, name, sizes.masks, "STORE");
   return lists;
 }

@@ -41,8 +41,9 @@ inline constexpr std::uint64_t kAnyFragments = 1'000'000, kMostFragmentsPerPixel
 inline constexpr std::uint64_t kMostFragments = 32'000'000;
 
 // Masks of up to 32 samples are collected: each fragment has a sample and carries those that geometry covers, before
-// alpha. Or lists hold all pixels that a triangle's edges reach, and masks are the technique's to make.
-enum class ListedMasks : std::uint32_t { later = 0, collected = 1 };
+// alpha. Or lists hold all pixels that a triangle's edges reach, and masks are the technique's to make. Or they hold
+// what is visible. The first two are values of the specialization constant.
+enum class ListedMasks : std::uint32_t { later = 0, collected = 1, visible = 2 };
 
 // What has to be known of a frame's lists before they are recorded.
 struct FragmentListSizes {
@@ -58,6 +59,14 @@ std::optional<FragmentListSizes> measure_fragment_lists(const FrontendFrame& fra
 // Collects the fragments of the frame that was measured, passes `name`. Set-up is recorded already.
 FragmentLists record_fragment_lists(gpu::PassRecorder& recorder, const FrontendFrame& frame,
                                     const FragmentListSizes& sizes, const std::string& name);
+
+// Fragments that show in a sample, told from the visibility image alone: each with the samples that it shows in, up to
+// 64 of them (z and w of shaders/frontend/fragment_lists.glsl). Of one triangle they stand in any order, since threads
+// number them; a pixel has one of each triangle, so its numbers rise in submission order all the same. Measuring finds
+// the visibility on the spot.
+FragmentListSizes measure_visible_fragments(const FrontendFrame& frame);
+FragmentLists record_visible_fragments(gpu::PassRecorder& recorder, const FrontendFrame& frame, gpu::Image& visibility,
+                                       const FragmentListSizes& sizes, const std::string& name);
 
 // A pass over the fragments material by material, textures bound: one invocation for each fragment of a batch, whose
 // range the shader finds in its push constants (shaders/frontend/listed_fragment.glsl). With `alpha_only` over

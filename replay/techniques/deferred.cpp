@@ -135,10 +135,14 @@ PixelList record_pixel_list(gpu::PassRecorder& recorder, const FrameSetup& setup
   return list;
 }
 
+std::vector<gpu::Binding> light_bindings(const FrameSetup& setup) {
+  return {gpu::reads(FRAME_SLOT_SPOT_CONES, setup.scene.spot_cones),
+          gpu::samples(FRAME_SLOT_SHADOW_MAP, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
+}
+
 gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::string fragment) {
   gpu::RasterPass pass = fullscreen_pass(setup, std::move(name), std::move(fragment));
-  pass.bindings.push_back(gpu::reads(FRAME_SLOT_SPOT_CONES, setup.scene.spot_cones));
-  pass.bindings.push_back(gpu::samples(FRAME_SLOT_SHADOW_MAP, setup.scene.shadow_map, &setup.scene.shadow_sampler));
+  for (const gpu::Binding& light : light_bindings(setup)) pass.bindings.push_back(light);
   return pass;
 }
 

@@ -42,6 +42,8 @@ Field<PrepassParameters> prepass();
 
 // RGBA32F sum over samples; rgb resolvable values, a lighting executions. Also usable as a storage image.
 gpu::Image& sum_image(gpu::PassRecorder& recorder, const FrameSetup& setup);
+// What passes that light surfaces read: shadow map and cones.
+std::vector<gpu::Binding> light_bindings(const FrameSetup& setup);
 // A full-screen pass that reads the scene's lights. Bindings beyond those are the caller's.
 gpu::RasterPass lighting_pass(const FrameSetup& setup, std::string name, std::string fragment);
 // Shades every covered sample of the group into `sum`; pass "shade".

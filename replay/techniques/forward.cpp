@@ -34,9 +34,8 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   pass.pipeline.constants = common_constants(setup);
   pass.pipeline.additive = true;
   pass.colours = {{sum}};
-  pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility),
-                   gpu::reads(FRAME_SLOT_SPOT_CONES, setup.scene.spot_cones),
-                   gpu::samples(FRAME_SLOT_SHADOW_MAP, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
+  pass.bindings = light_bindings(setup);
+  pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
   setup.frontend.record_geometry(recorder, std::move(geometry));
   record_resolve(recorder, setup, sum);
 }

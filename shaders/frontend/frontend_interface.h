@@ -133,6 +133,13 @@ struct ListAddresses {
   ADDRESS(FragmentBases) bases;
 };
 
+// Of visible_fragments.comp.
+struct VisibleFragmentsPush {
+  ListAddresses lists;
+  uint width;
+  uint height;
+};
+
 // Of collect.comp.
 struct CollectPush {
   ListAddresses lists;

@@ -27,4 +27,21 @@ uvec4 visible_triangles(ivec2 pixel, uint n, uint quad) {
 // n == 1: depth bits and triangle.
 uvec2 visible_sample(ivec2 pixel) { return texelFetch(visibility, ivec3(pixel, 0), 0).xy; }
 
+// The triangle that sample s of n >= 1 shows.
+uint visible_triangle(ivec2 pixel, uint n, uint s) {
+  if (n == 1u) return visible_sample(pixel).y;
+  return visible_triangles(pixel, n, s / 4u)[s & 3u];
+}
+
+// The samples of n >= 1, sample s in bit s, that show `triangle`.
+uvec2 samples_showing(ivec2 pixel, uint n, uint triangle) {
+  if (n == 1u) return uvec2(visible_sample(pixel).y == triangle ? 1u : 0u, 0u);
+  uvec2 mask = uvec2(0u);
+  for (uint quad = 0u; quad < (n + 3u) / 4u; ++quad) {
+    uvec4 same = uvec4(equal(visible_triangles(pixel, n, quad), uvec4(triangle)));
+    mask[quad / 8u] |= (same.x | same.y << 1 | same.z << 2 | same.w << 3) << (4u * (quad & 7u));
+  }
+  return n == 2u ? mask & 3u : mask;
+}
+
 #endif

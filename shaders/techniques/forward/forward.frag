@@ -8,9 +8,8 @@
 #define WITH_UV
 #define WITH_ATTRIBUTES
 #include "frontend/fragment.glsl"
-#include "include/lights.glsl"
-#include "include/resolve.glsl"
 #include "include/visibility.glsl"
+#include "shade/lit_fragment.glsl"
 
 layout(location = 0) out vec4 out_sum;
 
@@ -25,12 +24,7 @@ void main() {
   // A loop, so that groups of pixels that show nothing of the triangle skip the lighting.
   for (bool go = shown != 0u; go; go = false) {
     vec2 offset = shading_offset(fragment_edges(pixel), SAMPLES);
-    Surface surface = fragment_surface(pixel, offset);
-    DepthPlane plane = fragment_depth(pixel);
-    float depth = clamp(plane.centre + plane.dx * offset.x + plane.dy * offset.y, plane.smallest, plane.largest);
-    surface.position = world_position(gl_FragCoord.xy + offset, depth);
-    vec3 value = resolvable(shade(surface, normalize(frame.eye.xyz - surface.position)));
-    out_sum = vec4(value * float(shown), 1.0);
+    out_sum = vec4(lit_fragment(pixel, offset) * float(shown), 1.0);
   }
   if (shown == 0u) discard;
 }

@@ -51,14 +51,7 @@ uint first_dynamic() { return pool.width * pool.height; }
 bool in_image(ivec2 pixel) { return uint(pixel.x) < pool.width && uint(pixel.y) < pool.height; }
 
 // Samples of the pixel that `triangle` shows in.
-uint samples_of(ivec2 pixel, uint triangle) {
-  uint mask = 0u;
-  for (uint quad = 0u; quad < (SAMPLES + 3u) / 4u; ++quad) {
-    uvec4 same = uvec4(equal(visible_triangles(pixel, SAMPLES, quad), uvec4(triangle)));
-    mask |= (same.x | same.y << 1 | same.z << 2 | same.w << 3) << (4u * quad);
-  }
-  return mask & ((1u << SAMPLES) - 1u);
-}
+uint samples_of(ivec2 pixel, uint triangle) { return samples_showing(pixel, SAMPLES, triangle).x; }
 
 uint covered_samples(ivec2 pixel) { return ~samples_of(pixel, SUBPIXEL_NO_TRIANGLE) & ((1u << SAMPLES) - 1u); }
 

@@ -1,0 +1,46 @@
+#include "replay/techniques/visible_shading.hpp"
+
+#include "replay/frontend/visibility.hpp"
+#include "replay/techniques/deferred.hpp"
+
+namespace subpixel::replay {
+
+Field<VisibleParameters> field::shading_point() {
+  return choice("point", &VisibleParameters::point,
+                "a triangle is lit at the pixel's centre where it covers that, or where all samples show it; else at "
+                "the centroid of the samples that it covers, or of those that show it",
+                {{"covered", ShadingPoint::covered}, {"visible", ShadingPoint::visible}});
+}
+
+VisibleFragments record_visible(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  setup.frontend.record_setup(recorder);
+  gpu::Image& visibility = record_visibility(recorder, setup);
+  return {&visibility, record_visible_fragments(recorder, setup, visibility, setup.lists.value(), "list")};
+}
+
+ListedPass visible_shading(const FrameSetup& setup, ShadingPoint point, std::string shader) {
+  ListedPass pass;
+  pass.name = "shade";
+  pass.shader = std::move(shader);
+  pass.constants = common_constants(setup);
+  pass.constants.emplace_back(SHADE_CONSTANT_POINT, static_cast<std::uint32_t>(point));
+  pass.bindings = light_bindings(setup);
+  return pass;
+}
+
+void record_visible_resolve(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists) {
+  gpu::Image& sum = sum_image(recorder, setup);
+  gpu::ComputePass pass;
+  pass.name = "sum";
+  pass.shader = "shade/sum_listed.comp";
+  pass.constants = setup.frontend.constants();
+  gpu::append(pass.constants, common_constants(setup));
+  pass.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::image_writes(SHADE_SLOT_SUM_IMAGE, sum)};
+  pass.push = gpu::PushConstants(
+      gpu_types::VisibleFragmentsPush{.lists = lists.writes(pass), .width = setup.width, .height = setup.height});
+  pass.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
+  recorder.compute(std::move(pass));
+  record_resolve(recorder, setup, sum);
+}
+
+}  // namespace subpixel::replay

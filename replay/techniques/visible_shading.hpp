@@ -1,0 +1,34 @@
+// Shading after a visibility buffer: each triangle that a pixel shows is lit once, and what that gives is weighted by
+// the samples that show it. Shared by the techniques that differ in where attributes come from.
+#pragma once
+
+#include "replay/frame/technique.hpp"
+#include "shaders/shade/shade_interface.h"
+
+namespace subpixel::replay {
+
+enum class ShadingPoint : std::uint32_t { covered = SHADE_POINT_COVERED, visible = SHADE_POINT_VISIBLE };
+
+struct VisibleParameters : CommonParameters {
+  ShadingPoint point = ShadingPoint::covered;
+};
+
+namespace field {
+Field<VisibleParameters> shading_point();
+}  // namespace field
+
+// Set-up, visibility and the lists of what it shows, passes "list".
+struct VisibleFragments {
+  gpu::Image* visibility = nullptr;
+  FragmentLists lists;
+};
+VisibleFragments record_visible(gpu::PassRecorder& recorder, const FrameSetup& setup);
+
+// A pass "shade" over the fragments, material by material, which reads the lights; `shader` leaves each one's value as
+// shade/listed_values.glsl stores it.
+ListedPass visible_shading(const FrameSetup& setup, ShadingPoint point, std::string shader);
+
+// The outputs from the values, passes "sum" and "resolve".
+void record_visible_resolve(gpu::PassRecorder& recorder, const FrameSetup& setup, const FragmentLists& lists);
+
+}  // namespace subpixel::replay
