@@ -41,7 +41,7 @@ class BadInput : public testing::Test {
 const std::string kReplay = "replay cube.spcap --reference-samples 4 --repeat 1 --out out ";
 
 TEST_F(BadInput, UnknownTechniqueNamesTheValidOnes) {
-  expect_error(kReplay + "--techniques smaa", 2, {"smaa", "noaa", "msaa"});
+  expect_error(kReplay + "--techniques mlaa", 2, {"mlaa", "noaa", "msaa"});
 }
 
 TEST_F(BadInput, UnknownParameterNamesTheValidOnes) {
