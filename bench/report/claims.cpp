@@ -71,6 +71,7 @@ std::string range_text(const std::vector<double>& values, const char* format) {
 std::string range_text(const std::vector<const Run*>& runs, const std::function<double(const Run&)>& number,
                        const char* format) {
   std::vector<double> values;
+  values.reserve(runs.size());
   for (const Run* run : runs) values.push_back(number(*run));
   return range_text(values, format);
 }

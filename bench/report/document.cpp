@@ -139,6 +139,7 @@ std::string claims_markdown(const Measured& measured, const std::vector<Claim>& 
     const std::string result = words(comparisons), heading = heading_of(claim, i + 1);
     ++counts[verdict(comparisons)];
     std::vector<double> values;
+    values.reserve(comparisons.size());
     for (const Comparison& comparison : comparisons) values.push_back(comparison.value);
     table +=
         fmt::format("| [{}](#{}) | `{}`: {} | {} | {} | {} |\n", i + 1, anchor_of(heading), claim.technique,
@@ -258,7 +259,7 @@ std::string sizes_markdown(const Measured& measured) {
       title += fmt::format(" {}x{}: time | MSE | over `msaa` 8x | ms |", run->plan.width, run->plan.height);
       rule += " --- | --- | --- | --- |";
     }
-    text += title + "\n" + rule + "\n";
+    text.append(title).append("\n").append(rule).append("\n");
     for (const FrameResult& setting : runs.back()->results.results) {
       std::string row = fmt::format("| `{}` |", setting_name(setting.technique, setting.parameters));
       for (const Run* run : runs) {
