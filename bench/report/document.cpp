@@ -123,6 +123,15 @@ Judged judge(const Claim& claim, const Measured& measured) {
   };
   judged.comparisons = claim.compare(measured.at_width(claim.width));
   std::erase_if(judged.comparisons, [&](const Comparison& comparison) { return !stands_in(comparison); });
+  // Where a scene was not measured at that size, its sweep decides, which its row says.
+  const std::vector<const Run*> stills = measured.stills();
+  for (Comparison& comparison : judged.comparisons) {
+    const auto at_size = [&](const Run* run) {
+      return run->plan.scene == comparison.scene && run->plan.width == claim.width;
+    };
+    if (!comparison.scene.empty() && claim.width != kSmall && std::ranges::none_of(stills, at_size))
+      comparison.where += ", not at this size";
+  }
   for (const Comparison& comparison : claim.compare(measured.at_width(kSmall, true)))
     (stands_in(comparison) ? judged.small : judged.others).push_back(comparison);
   return judged;
