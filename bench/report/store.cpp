@@ -57,7 +57,7 @@ bool is_stored(const RunPlan& run, const fs::path& folder) {
 // The first frames of the scene, made when they are not there.
 fs::path capture_of(const std::string& scene, std::uint32_t frames, const MeasureOptions& options) {
   const std::string several = frames > 1 ? fmt::format("_frames{}", frames) : "";
-  const fs::path file = options.folder / "captures" / (scene + several + ".spcap");
+  fs::path file = options.folder / "captures" / (scene + several + ".spcap");
   if (fs::exists(file)) return file;
   fs::create_directories(file.parent_path());
   // Under its name only when it is whole.
