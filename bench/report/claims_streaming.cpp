@@ -178,9 +178,9 @@ std::vector<Claim> streaming_claims() {
        "{:.1f}", "{}%", &memory, nullptr},
       {"streaming", kPublication, "table 1, right", "fewer lighting executions than `simple_complex`",
        "77.8% (Sponza), 70.5% (PowerPlant), 44.9% (Grass) at 8x; 92.2%, 88.7%, 72.9% at 4x",
-       "The share of the scene that stands for theirs, within 2 points either way: a share that is too low shows "
-       "another "
-       "scene, as one too high does.",
+       "The share of the scene that stands for theirs, within 2 points either way: too low a share shows another "
+       "scene, "
+       "as too high a one does.",
        "scene", "{:.1f}", "{}%", &executions, &densities, kWidth, kScenes},
       {"streaming", kPublication, "figures 4 and 7", "three surfaces look like 8x MSAA", "indistinguishable",
        "Mean FLIP between the images of S=3 and `forward` 8x, their reference, at most that between `simple_complex`'s "
@@ -191,7 +191,7 @@ std::vector<Claim> streaming_claims() {
        "no visible difference",
        "Mean FLIP between the images of S=3 and S=4, at most that between `simple_complex` and `forward` 8x, which "
        "pass "
-       "for indistinguishable.",
+       "for alike.",
        "scene", "{:.2f}", "{} times the FLIP of `simple_complex`", &fourth_surface, &discards, kWidth, kScenes},
       {"streaming", kPublication, "section 5", "two surfaces are too few", "three are required",
        "Mean FLIP to `forward` 8x of S=2, larger than that of S=3 (S=2 / S=3).", "scene", "{:.2f}",

@@ -268,10 +268,9 @@ std::string which_for_which_markdown(const Measured& measured) {
 
 std::string winners_markdown(const Measured& measured) {
   std::string text =
-      "Times are over that of `msaa` 8x in the same run; bytes beside a time are what our passes of that time keep, "
-      "lists "
-      "and triangle\n"
-      "numbers included; where memory decides it is the published format's. What compresses is all but the "
+      "Times are over that of `msaa` 8x in the same run; bytes beside a time are what our passes of that time keep,\n"
+      "lists and triangle numbers included; where memory decides it is the published format's. What compresses is all "
+      "but the "
       "baselines.\n\n"
       "### Lowest error in at most the time of `msaa` 8x\n\n" +
       time_table(measured, PlotError::mse) + "\n" + time_table(measured, PlotError::flip) +

@@ -42,11 +42,7 @@ Materials add_materials(SceneBuilder& scene, std::uint64_t seed) {
   marble.roughness = 0.3f;
   materials.marble = scene.add_material(marble);
   materials.iron = add_plain_material(scene, "iron", {0.12, 0.12, 0.13}, 0.4, 0.9);
-  Material lamp;
-  lamp.name = "lamp glass";
-  lamp.base_colour = {0.9f, 0.8f, 0.6f, 1};
-  lamp.emissive = {7, 5, 2.6f};
-  materials.lamp = scene.add_material(lamp);
+  materials.lamp = add_lamp_glass(scene, {0.9f, 0.8f, 0.6f}, {7, 5, 2.6f});
   return materials;
 }
 

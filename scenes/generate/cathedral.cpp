@@ -52,11 +52,7 @@ Materials add_materials(SceneBuilder& scene, std::uint64_t seed) {
   materials.wood = textured("dark wood", 14, {66, 42, 26}, {98, 64, 40}, 0.4f, seed + 6);
   materials.gold = add_plain_material(scene, "gilding", {0.85, 0.62, 0.25}, 0.3, 1);
   materials.iron = add_plain_material(scene, "iron", {0.10, 0.10, 0.11}, 0.5, 0.9);
-  Material lamp;
-  lamp.name = "lamp glass";
-  lamp.base_colour = {0.9f, 0.8f, 0.6f, 1};
-  lamp.emissive = {6, 4.4f, 2.4f};
-  materials.lamp = scene.add_material(lamp);
+  materials.lamp = add_lamp_glass(scene, {0.9f, 0.8f, 0.6f}, {6, 4.4f, 2.4f});
   Material glass;
   glass.name = "stained glass";
   glass.base_colour = {0.02f, 0.02f, 0.02f, 1};
@@ -110,13 +106,7 @@ Mesh barrel(double radius, double springing, double length, double uv_scale) {
       mesh.add_vertex(around(radius, angle, springing) + glm::dvec3(0, 0, z), -out,
                       glm::dvec2(-z, radius * angle) * uv_scale);
     }
-  for (std::uint32_t j = 0; j < kAlong; ++j)
-    for (std::uint32_t i = 0; i < kRound; ++i) {
-      const std::uint32_t a = j * (kRound + 1) + i;
-      const std::uint32_t b = a + kRound + 1;
-      mesh.add_triangle(a, a + 1, b + 1);
-      mesh.add_triangle(a, b + 1, b);
-    }
+  add_grid_triangles(mesh, kAlong, kRound);
   compute_tangents(mesh);
   return mesh;
 }
@@ -249,13 +239,7 @@ Mesh apse_wall(double radius, double springing) {
                       {0.45 * radius * kPi * i / kRound, -0.45 * v});
     }
   }
-  for (std::uint32_t k = 0; k + 1 < profile.size(); ++k)
-    for (std::uint32_t i = 0; i < kRound; ++i) {
-      const std::uint32_t a = k * (kRound + 1) + i;
-      const std::uint32_t b = a + kRound + 1;
-      mesh.add_triangle(a, a + 1, b + 1);
-      mesh.add_triangle(a, b + 1, b);
-    }
+  add_grid_triangles(mesh, static_cast<std::uint32_t>(profile.size()) - 1, kRound);
   compute_tangents(mesh);
   return mesh;
 }

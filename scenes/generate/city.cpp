@@ -9,6 +9,7 @@
 #include "scenes/builder/scene_builder.hpp"
 #include "scenes/generate/random.hpp"
 #include "scenes/generate/scene_metadata.hpp"
+#include "scenes/generate/scene_parts.hpp"
 #include "scenes/generate/scenes.hpp"
 #include "scenes/generate/textures.hpp"
 
@@ -61,11 +62,7 @@ Materials add_materials(SceneBuilder& scene, std::uint64_t seed) {
   materials.glass = add_plain(scene, "glass", {0.03f, 0.04f, 0.05f, 1}, 0.08f);
   materials.stone = add_plain(scene, "ledge stone", {0.52f, 0.49f, 0.44f, 1}, 0.85f);
   materials.iron = add_plain(scene, "iron", {0.10f, 0.11f, 0.12f, 1}, 0.4f, 0.9f);
-  Material lamp;
-  lamp.name = "lamp glass";
-  lamp.base_colour = {0.9f, 0.85f, 0.7f, 1};
-  lamp.emissive = {6.0f, 4.8f, 2.8f};
-  materials.lamp = scene.add_material(lamp);
+  materials.lamp = add_lamp_glass(scene, {0.9f, 0.85f, 0.7f}, {6.0f, 4.8f, 2.8f});
   Material asphalt;
   asphalt.name = "asphalt";
   asphalt.base_colour_texture =

@@ -31,6 +31,23 @@ std::uint32_t add_plain_material(SceneBuilder& scene, const std::string& name, c
   return scene.add_material(material);
 }
 
+std::uint32_t add_lamp_glass(SceneBuilder& scene, const glm::vec3& colour, const glm::vec3& emissive) {
+  Material lamp;
+  lamp.name = "lamp glass";
+  lamp.base_colour = {colour.x, colour.y, colour.z, 1};
+  lamp.emissive = {emissive.x, emissive.y, emissive.z};
+  return scene.add_material(lamp);
+}
+
+void add_grid_triangles(Mesh& mesh, std::uint32_t rows, std::uint32_t columns) {
+  for (std::uint32_t j = 0; j < rows; ++j)
+    for (std::uint32_t i = 0; i < columns; ++i) {
+      const std::uint32_t a = j * (columns + 1) + i, b = a + columns + 1;
+      mesh.add_triangle(a, a + 1, b + 1);
+      mesh.add_triangle(a, b + 1, b);
+    }
+}
+
 void draw_floor(SceneBuilder& scene, const std::string& name, const glm::dvec3& low, const glm::dvec3& high,
                 double tile_m, double roughness, std::uint64_t seed) {
   Material material;

@@ -24,6 +24,12 @@ std::vector<double> every(double first, double step, double last);
 std::uint32_t add_plain_material(SceneBuilder& scene, const std::string& name, const glm::dvec3& colour,
                                  double roughness, double metallic = 0);
 
+// The glass of a lamp that is on: `emissive` in the scene's units of radiance, linear, as `colour` is.
+std::uint32_t add_lamp_glass(SceneBuilder& scene, const glm::vec3& colour, const glm::vec3& emissive);
+
+// Triangles of a grid of (rows + 1) x (columns + 1) vertices, row by row, that begins with the mesh's first vertex.
+void add_grid_triangles(Mesh& mesh, std::uint32_t rows, std::uint32_t columns);
+
 // A ground of 120 m x 120 m at y = 0 with a noise texture that repeats after `tile_m`. Colours are sRGB, 0 to 255.
 void draw_floor(SceneBuilder& scene, const std::string& name, const glm::dvec3& low, const glm::dvec3& high,
                 double tile_m, double roughness, std::uint64_t seed);

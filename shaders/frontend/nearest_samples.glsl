@@ -74,6 +74,15 @@ uint bits_of(bvec4 take, uint first) {
   return (bits.x | bits.y | bits.z | bits.w) << first;
 }
 
+// Of the samples of take_samples() in groups of four.
+#if GROUP == 16
+#define TAKEN_BITS (bits_of(take0, 0u) | bits_of(take1, 4u) | bits_of(take2, 8u) | bits_of(take3, 12u))
+#elif GROUP == 8
+#define TAKEN_BITS (bits_of(take0, 0u) | bits_of(take1, 4u))
+#else
+#define TAKEN_BITS bits_of(take0, 0u)
+#endif
+
 // Of the samples that the fragment would take, those that alpha leaves: textures are read only where it is nearest so far.
 uint alpha_leaves(uint mask, ivec2 pixel, PixelEdges edges) {
   uint left = mask;
@@ -131,14 +140,7 @@ bool take_samples(ivec2 pixel) {
     bvec4 take3 = taken(z3, old3, AFTER_SMALL ? subpassLoad(in_id3) : uvec4(0u), mask, 12u);
 #endif
 #ifdef WITH_UV
-    uint passing = bits_of(take0, 0u);
-#if GROUP >= 8
-    passing |= bits_of(take1, 4u);
-#endif
-#if GROUP == 16
-    passing |= bits_of(take2, 8u) | bits_of(take3, 12u);
-#endif
-    uint left = alpha_leaves(passing, pixel, edges);
+    uint left = alpha_leaves(TAKEN_BITS, pixel, edges);
     take0 = left_of(take0, left, 0u);
 #if GROUP >= 8
     take1 = left_of(take1, left, 4u);
@@ -161,14 +163,7 @@ bool take_samples(ivec2 pixel) {
 #endif
     for (bool write = changed; write; write = false) {
 #ifdef SAMPLES_TAKEN
-      uint bits = bits_of(take0, 0u);
-#if GROUP >= 8
-      bits |= bits_of(take1, 4u);
-#endif
-#if GROUP == 16
-      bits |= bits_of(take2, 8u) | bits_of(take3, 12u);
-#endif
-      SAMPLES_TAKEN(pixel, edges, bits);
+      SAMPLES_TAKEN(pixel, edges, TAKEN_BITS);
 #endif
       out_id0 = mix(subpassLoad(in_id0), own, take0);
 #if GROUP >= 8
