@@ -176,6 +176,7 @@ std::optional<FragmentListSizes> measure_fragment_lists(const FrontendFrame& fra
   FragmentListSizes sizes;
   sizes.masks = masks;
   sizes.count = sums[frontend.chunk_count()].x;
+  sizes.triangles = sums[frontend.chunk_count()].y;
   const auto begins = counted.ends->as<std::uint32_t>().first(std::size_t{frame.width} * frame.height);
   // The device's sums are modulo 2^32; a single pixel's are right.
   std::uint64_t total = 0;
@@ -202,7 +203,9 @@ FragmentListSizes measure_visible_fragments(const FrontendFrame& frame) {
   counting.run();
   FragmentListSizes sizes;
   sizes.masks = ListedMasks::visible;
-  sizes.count = counted.chunk_sums->as<glm::uvec4>()[frame.frontend.chunk_count()].x;
+  const glm::uvec4 total = counted.chunk_sums->as<glm::uvec4>()[frame.frontend.chunk_count()];
+  sizes.count = total.x;
+  sizes.triangles = total.y;
   sizes.batches = batches_of(frame.frontend, counted);
   return sizes;
 }

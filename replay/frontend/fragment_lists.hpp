@@ -49,6 +49,7 @@ enum class ListedMasks : std::uint32_t { later = 0, collected = 1, visible = 2 }
 struct FragmentListSizes {
   ListedMasks masks = ListedMasks::later;
   std::uint64_t count = 0;
+  std::uint64_t triangles = 0;  // that have any
   std::vector<FragmentLists::Batch> batches;
 };
 

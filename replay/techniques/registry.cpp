@@ -6,12 +6,12 @@
 namespace subpixel::replay {
 
 extern const Technique kNoaa, kFxaa, kSmaa, kTaa, kForward, kMsaa, kSimpleComplex, kSbaa, kStreaming, kAgaa, kDcaa,
-    kLinkedList, kHybrid, kVisibility;
+    kLinkedList, kHybrid, kVisibility, kDais;
 
 std::span<const Technique* const> techniques() {
   static constexpr const Technique* kAll[] = {
       &kNoaa, &kFxaa,      &kSmaa, &kTaa,  &kForward,    &kMsaa,   &kSimpleComplex,
-      &kSbaa, &kStreaming, &kAgaa, &kDcaa, &kLinkedList, &kHybrid, &kVisibility,
+      &kSbaa, &kStreaming, &kAgaa, &kDcaa, &kLinkedList, &kHybrid, &kVisibility, &kDais,
   };
   return kAll;
 }

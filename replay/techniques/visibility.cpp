@@ -8,7 +8,11 @@
 namespace subpixel::replay {
 namespace {
 
-using Setup = SetupFor<VisibleParameters>;
+struct VisibilityParameters : CommonParameters {
+  ShadingPoint point = ShadingPoint::covered;
+};
+
+using Setup = SetupFor<VisibilityParameters>;
 
 MemoryLayout layout(const Setup& setup) {
   const double n = setup.samples;
@@ -27,11 +31,11 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
 
 extern const Technique kVisibility;
 
-const Technique kVisibility = TechniqueOf<VisibleParameters>{
+const Technique kVisibility = TechniqueOf<VisibilityParameters>{
     .name = "visibility",
     .title = "Visibility buffer, attributes from the vertices",
     .paper = "Burns, Hunt: The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading. JCGT 2 (2), 2013",
-    .fields = {field::samples({1, 2, 4, 8, 16, 32, 64}), field::shading_point(), field::alpha(), field::resolve(),
+    .fields = {field::samples({1, 2, 4, 8, 16, 32, 64}), field::shading_point(&VisibilityParameters::point), field::alpha(), field::resolve(),
                field::shading()},
     .maps = {},
     .layout = layout,

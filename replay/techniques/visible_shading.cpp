@@ -5,13 +5,6 @@
 
 namespace subpixel::replay {
 
-Field<VisibleParameters> field::shading_point() {
-  return choice("point", &VisibleParameters::point,
-                "a triangle is lit at the pixel's centre where it covers that, or where all samples show it; else at "
-                "the centroid of the samples that it covers, or of those that show it",
-                {{"covered", ShadingPoint::covered}, {"visible", ShadingPoint::visible}});
-}
-
 VisibleFragments record_visible(gpu::PassRecorder& recorder, const FrameSetup& setup) {
   setup.frontend.record_setup(recorder);
   gpu::Image& visibility = record_visibility(recorder, setup);

@@ -9,12 +9,14 @@ namespace subpixel::replay {
 
 enum class ShadingPoint : std::uint32_t { covered = SHADE_POINT_COVERED, visible = SHADE_POINT_VISIBLE };
 
-struct VisibleParameters : CommonParameters {
-  ShadingPoint point = ShadingPoint::covered;
-};
-
 namespace field {
-Field<VisibleParameters> shading_point();
+template <typename P>
+Field<P> shading_point(ShadingPoint P::*member) {
+  return choice("point", member,
+                "a triangle is lit at the pixel's centre where it covers that, or where all samples show it; else at "
+                "the centroid of the samples that it covers, or of those that show it",
+                {{"covered", ShadingPoint::covered}, {"visible", ShadingPoint::visible}});
+}
 }  // namespace field
 
 // Set-up, visibility and the lists of what it shows, passes "list".

@@ -159,16 +159,35 @@ uint alpha_mask(uint mask, uint first, uint count, ivec2 pixel, vec2 offset) {
 #endif
 
 #ifdef WITH_ATTRIBUTES
-// The material's surface at the shading point; all but the position.
-Surface fragment_surface(ivec2 pixel, vec2 offset) {
+// What a material takes from the triangle at one point of it.
+struct MaterialInputs {
+  VertexInputs vertex;
+  vec3 normal;   // world space, unit, on the viewer's side
+  vec4 tangent;  // 0 unless some material has a normal map
+};
+
+vec3 unit_normal(vec3 interpolated) {
+  return interpolated * inversesqrt(max(dot(interpolated, interpolated), 1e-20));
+}
+
+MaterialInputs fragment_inputs(ivec2 pixel, vec2 offset) {
   Weights w = fragment_weights(pixel, offset);
-  vec3 normal = interpolate(w.value, in_normal0, in_normal1, in_normal2);
-  normal *= inversesqrt(max(dot(normal, normal), 1e-20));
-  vec4 tangent = has_feature(FEATURE_NORMAL_MAP) ? interpolate(w.value, in_tangent0, in_tangent1, in_tangent2) : vec4(0.0);
+  MaterialInputs inputs;
+  inputs.normal = unit_normal(interpolate(w.value, in_normal0, in_normal1, in_normal2));
+  inputs.tangent = has_feature(FEATURE_NORMAL_MAP) ? interpolate(w.value, in_tangent0, in_tangent1, in_tangent2) : vec4(0.0);
+  inputs.vertex = vertex_inputs(w);
+  return inputs;
+}
+
+// The material's surface there; all but the position.
+Surface material_surface(MaterialInputs inputs) {
   Surface s;
   s.position = vec3(0.0);
-  evaluate_material(materials[push.material], vertex_inputs(w), normal, tangent, s);
+  evaluate_material(materials[push.material], inputs.vertex, inputs.normal, inputs.tangent, s);
   return s;
 }
+
+// At the shading point.
+Surface fragment_surface(ivec2 pixel, vec2 offset) { return material_surface(fragment_inputs(pixel, offset)); }
 #endif
 #endif

@@ -5,7 +5,8 @@
 // variants: SUM=-DSUM BASE=-DBASE
 // From how many fragments each record has to the number of its first one, in submission order; one invocation for each chunk.
 // SUM adds up a chunk's, BASE gives each record its base once the sums are scanned.
-// Reads: counts of set-up, piece bases. Reads and writes: the records' counts or bases, the chunks' sums (x).
+// Reads: counts of set-up, piece bases. Reads and writes: the records' counts or bases, the chunks' sums (x), SUM, how many
+// of their records have any (y).
 layout(local_size_x = 64) in;
 #include "frontend/frontend_interface.h"
 
@@ -19,7 +20,7 @@ void main() {
   uint chunk = gl_GlobalInvocationID.x;
   if (chunk >= push.chunk_count) return;
 #ifdef SUM
-  uint running = 0u;
+  uint running = 0u, seen = 0u;
 #else
   uint running = sums[chunk].x;
 #endif
@@ -33,11 +34,13 @@ void main() {
       uint own = bases[first + i];
 #ifdef BASE
       bases[first + i] = running;
+#else
+      seen += min(own, 1u);
 #endif
       running += own;
     }
   }
 #ifdef SUM
-  sums[chunk] = uvec4(running, 0u, 0u, 0u);
+  sums[chunk] = uvec4(running, seen, 0u, 0u);
 #endif
 }

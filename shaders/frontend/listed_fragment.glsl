@@ -19,13 +19,18 @@ bool listed_number(out uint number) {
 
 ivec2 listed_pixel(uvec4 fragment) { return ivec2(fragment.y & 0xffffu, fragment.y >> 16); }
 
-void load_fragment(uint record) {
+// What fragment.glsl needs for edges and depth.
+void load_record(uint record) {
   uvec4 depth2 = push.records.record[record].depth2;
   in_v01 = push.records.record[record].v01;
   in_v2_ref = push.records.record[record].v2_ref;
   in_depth = push.records.record[record].depth;
   in_ids = uvec4(depth2.x, record, depth2.w, 0u);
+}
+
 #ifdef WITH_UV
+// What it needs for attributes; after load_record().
+void load_vertices(uint record) {
   SourceTriangle source;
   uint first_index = push.records.record[record].hull2_id.z;
   if (has_feature(kFetchedFeatures)) in_ids.w = first_index;
@@ -37,7 +42,6 @@ void load_fragment(uint record) {
   in_clip2 = source.clip[2];
   in_uv01 = vec4(source.uv[0], source.uv[1]);
   in_uv2 = source.uv[2];
-#endif
 #ifdef WITH_ATTRIBUTES
   source_normals(vertex, instance, in_v2_ref.w, source);
   in_normal0 = source.normal[0];
@@ -46,6 +50,14 @@ void load_fragment(uint record) {
   in_tangent0 = source.tangent[0];
   in_tangent1 = source.tangent[1];
   in_tangent2 = source.tangent[2];
+#endif
+}
+#endif
+
+void load_fragment(uint record) {
+  load_record(record);
+#ifdef WITH_UV
+  load_vertices(record);
 #endif
 }
 
