@@ -12,7 +12,8 @@ namespace subpixel::report {
 
 std::vector<Claim> all_claims() {
   std::vector<Claim> claims;
-  for (const auto& some : {streaming_claims(), sbaa_claims(), agaa_claims(), dcaa_claims(), linked_list_claims()})
+  for (const auto& some :
+       {streaming_claims(), sbaa_claims(), agaa_claims(), dcaa_claims(), linked_list_claims(), today_claims()})
     claims.insert(claims.end(), some.begin(), some.end());
   return claims;
 }

@@ -36,6 +36,7 @@ std::vector<Claim> sbaa_claims();
 std::vector<Claim> linked_list_claims();
 std::vector<Claim> agaa_claims();
 std::vector<Claim> dcaa_claims();
+std::vector<Claim> today_claims();
 
 // FLIP or MSE of two images of each still: `test` to `base` is at most `factor` times what the yardstick's pair has.
 struct LookAlike {

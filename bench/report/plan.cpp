@@ -29,6 +29,8 @@ constexpr std::array<std::string_view, 5> kAggregateScenes{"city", "foliage", "b
 // Few, more and many triangles, for table 2 of Fridvalszky and Toth.
 constexpr std::array<std::string_view, 3> kListScenes{"city", "foliage", "park"};
 constexpr std::array<std::string_view, 3> kFlickerScenes{"city", "bamboo", "grass"};
+// Schied and Dachsbacher 2015: a hall, streets, and a field for what is not like them.
+constexpr std::array<std::string_view, 3> kUltraHdScenes{"arcade", "city", "grass"};
 
 constexpr std::string_view kSweeps =
     "noaa,msaa:samples=8|4,fxaa,smaa,taa,forward:samples=8|64,simple_complex:samples=8|4,sbaa:surfaces=2|4|6,"
@@ -50,7 +52,7 @@ constexpr std::string_view kAggregateTimes =
     "simple_complex:samples=8|32:normal_threshold=1:shading=blinn_phong|ggx,agaa:samples=8|32:shading=blinn_phong|ggx";
 constexpr std::string_view kListTimes =
     "noaa,msaa:samples=4|8,msaa:samples=4|8:prepass=false,linked_list:samples=4|8,linked_list:samples=4|8:pool=0";
-constexpr std::string_view kFlicker = "taa,msaa:samples=8,forward:samples=8,sbaa:surfaces=2|4,agaa,dcaa,hybrid";
+constexpr std::string_view kFlicker = "noaa,taa,msaa:samples=8,forward:samples=8,sbaa:surfaces=2|4,agaa,dcaa,hybrid";
 
 template <class Names>
 bool contains(const Names& names, std::string_view name) {
@@ -169,6 +171,10 @@ std::vector<RunPlan> make_plan(const PlanOptions& options) {
            .reference_samples = 128,
            .repeat = 1,
            .techniques = settings(kFullHd, false)},
+          scene);
+    }
+    if (!options.quick && contains(kUltraHdScenes, scene)) {
+      add({.kind = RunKind::paper, .width = 3840, .height = 2160, .repeat = 1, .techniques = settings("dais", false)},
           scene);
     }
     if (contains(kAggregateScenes, scene)) {
