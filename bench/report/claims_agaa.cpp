@@ -240,7 +240,7 @@ std::string frame_shares(const Measured& measured) {
       "At 8x the geometry passes that both share, in software here, take {}% of the frame of `simple_complex`, and its "
       "lighting {}%, so there is less to gain. `agaa` has {}% of its executions, and each costs more: depths are read "
       "again, shadows are filtered over the footprint.",
-      range_text(runs, share("simple_complex", {"setup", "visibility", "compaction"}), "{:.0f}"),
+      range_text(runs, share("simple_complex", {"setup", "visibility", "list"}), "{:.0f}"),
       range_text(runs, share("simple_complex", {"shade simple", "shade complex"}), "{:.0f}"),
       range_text(runs, executions_share, "{:.0f}"));
 }

@@ -151,8 +151,8 @@ std::string lighting_share(const Measured& measured) {
     const FrameResult* ours = find(run, "linked_list");
     const FrameResult* msaa = find(run, "msaa", {{"samples", 4}});
     if (ours == nullptr || msaa == nullptr) return std::nan("");
-    return passes_ms(*ours, {"setup", "visibility", "compaction", "link", "gbuffer"}) /
-           passes_ms(*msaa, {"setup", "visibility", "compaction", "gbuffer"});
+    return passes_ms(*ours, {"setup", "visibility", "list", "link", "gbuffer"}) /
+           passes_ms(*msaa, {"setup", "visibility", "list", "gbuffer"});
   };
   return fmt::format(
       "Lists save lighting, which is {}% of the frame of 4x MSAA here; geometry, in software, is the rest, and that of "

@@ -18,7 +18,7 @@ void FrameScene::set_frame(const FrameChoice& choice) {
   scene.set_frame(frame_, width_, height_);
   jitter_ = {0, 0};
   prepared_samples_ = 0;
-  fragments_.clear();
+  forget_counts();
 }
 
 void FrameScene::set_jitter(const glm::dvec2& jitter) {
@@ -26,7 +26,7 @@ void FrameScene::set_jitter(const glm::dvec2& jitter) {
   jitter_ = jitter;
   scene.set_jitter(jitter);
   prepared_samples_ = 0;
-  fragments_.clear();
+  forget_counts();
 }
 
 void FrameScene::prepare(std::uint32_t samples) {
@@ -36,12 +36,22 @@ void FrameScene::prepare(std::uint32_t samples) {
   prepared_samples_ = samples;
 }
 
-std::uint64_t FrameScene::count_fragments(bool visible, AlphaDecision alpha) {
-  // Which triangles are visible depends on how alpha decides.
-  const auto [found, is_new] =
-      fragments_.try_emplace({prepared_samples_, visible, visible ? alpha : AlphaDecision::to_coverage}, 0);
-  if (is_new) found->second = frontend.count_fragments(visible, width_, height_);
+void FrameScene::forget_counts() {
+  fragments_.clear();
+  visible_fragments_.clear();
+}
+
+std::uint64_t FrameScene::count_fragments() {
+  const auto [found, is_new] = fragments_.try_emplace(prepared_samples_, 0);
+  if (is_new) found->second = frontend.count_fragments(width_, height_);
   return found->second;
+}
+
+const FragmentListSizes& FrameScene::visible_fragments(AlphaDecision alpha) {
+  const std::pair key(prepared_samples_, alpha);
+  const auto found = visible_fragments_.find(key);
+  if (found != visible_fragments_.end()) return found->second;
+  return visible_fragments_.emplace(key, measure_visible_fragments(frontend_frame(alpha))).first->second;
 }
 
 }  // namespace subpixel::replay

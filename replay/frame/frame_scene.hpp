@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <map>
-#include <tuple>
+#include <utility>
 
 #include "capture_format/capture.hpp"
-#include "replay/frontend/frontend_frame.hpp"
+#include "replay/frontend/fragment_lists.hpp"
 #include "replay/scene/gpu_scene.hpp"
 
 namespace subpixel::replay {
@@ -32,8 +32,10 @@ class FrameScene {
   void prepare(std::uint32_t samples);
   // The current frame as it is prepared.
   FrontendFrame frontend_frame(AlphaDecision alpha) { return {frontend, width_, height_, alpha, small_}; }
-  // Frontend::count_fragments() of what is prepared, by a run on the spot the first time.
-  std::uint64_t count_fragments(bool visible, AlphaDecision alpha);
+  // Of what is prepared, by a run on the spot the first time: Frontend::count_fragments(), and what
+  // measure_visible_fragments() says.
+  std::uint64_t count_fragments();
+  const FragmentListSizes& visible_fragments(AlphaDecision alpha);
 
   const capture::Capture capture;  // the scene refers to it
   GpuScene scene;
@@ -47,8 +49,9 @@ class FrameScene {
   glm::dvec2 jitter_{0};
   std::uint32_t prepared_samples_ = 0;  // 0: the front-end is not prepared for this frame
   SmallTriangles small_ = SmallTriangles::as_hulls;
-  // By samples, whether of visible triangles alone, and then the alpha decision.
-  std::map<std::tuple<std::uint32_t, bool, AlphaDecision>, std::uint64_t> fragments_;
+  std::map<std::uint32_t, std::uint64_t> fragments_;  // by samples
+  std::map<std::pair<std::uint32_t, AlphaDecision>, FragmentListSizes> visible_fragments_;  // by samples
+  void forget_counts();
 };
 
 }  // namespace subpixel::replay

@@ -56,6 +56,14 @@ struct SetupFor : FrameSetup {
 // Specialization constants of what all techniques let one choose.
 gpu::Constants common_constants(const FrameSetup& setup);
 
+// Set-up, visibility and the measured lists of what it shows, passes "setup", "visibility" and "list". The technique's
+// `lists` is `visible`.
+struct VisibleFragments {
+  gpu::Image* visibility = nullptr;
+  FragmentLists lists;
+};
+VisibleFragments record_visible(gpu::PassRecorder& recorder, const FrameSetup& setup);
+
 // The lists that were measured for the frame, passes `name`; none where none were.
 std::optional<FragmentLists> record_measured_lists(gpu::PassRecorder& recorder, const FrameSetup& setup,
                                                    const std::string& name);

@@ -37,8 +37,7 @@ FrameSetup prepare_frame(FrameScene& scene, const TechniqueSetting& setting, Fra
   const auto* const ordered = dynamic_cast<const OrderedParameters*>(&parameters);
   if (setting.technique->lists && ordered && ordered->order == FragmentOrder::lists)
     setup.lists = measure_fragment_lists(setup, *setting.technique->lists);
-  if (setting.technique->lists == ListedMasks::visible) setup.lists = measure_visible_fragments(setup);
-  if (setup.lists) outputs.counters["listed_fragments"] = setup.lists->count;
+  if (setting.technique->lists == ListedMasks::visible) setup.lists = scene.visible_fragments(parameters.alpha);
   return setup;
 }
 
@@ -137,9 +136,8 @@ std::map<std::string, std::uint64_t> RecordedFrame::counters() const {
 std::map<std::string, std::uint64_t> RecordedFrame::count_fragments() {
   std::map<std::string, std::uint64_t> fragments;
   for (const auto& timing : recorder_.timings()) {
-    std::uint64_t count = timing.screen_pixels;
-    if (timing.times_all > 0) count += timing.times_all * scene_.count_fragments(false, setup_.alpha);
-    if (timing.times_visible > 0) count += timing.times_visible * scene_.count_fragments(true, setup_.alpha);
+    std::uint64_t count = timing.screen_pixels + timing.listed_fragments;
+    if (timing.times_all > 0) count += timing.times_all * scene_.count_fragments();
     if (count > 0) fragments[timing.name] = count;
   }
   return fragments;

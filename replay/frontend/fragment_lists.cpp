@@ -252,6 +252,7 @@ void record_listed_fragments(gpu::PassRecorder& recorder, const FrontendFrame& f
     compute.push = gpu::PushConstants(push);
     compute.material = scene.material_set(batch.material);
     compute.groups = {row, (groups + row - 1) / row, 1};
+    compute.fragments = batch.last - batch.first;
     recorder.compute(std::move(compute));
   }
 }

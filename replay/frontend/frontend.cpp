@@ -43,10 +43,6 @@ std::uint64_t Frontend::allocated_bytes() const {
                                     &visibility_ranges_,
                                     &material_commands_,
                                     &visibility_commands_,
-                                    &visible_,
-                                    &visible_sums_,
-                                    &visible_indices_,
-                                    &visible_commands_,
                                     &rest_sums_,
                                     &rest_indices_,
                                     &rest_commands_,
@@ -150,16 +146,11 @@ void Frontend::prepare(std::uint32_t samples) {
   }
   records_ = gpu::Buffer(device_, "triangle records", (slots + pieces_) * sizeof(gpu_types::TriangleRecord));
   hull_indices_ = gpu::Buffer(device_, "hull indices", hull_triangles_ * 3 * sizeof(std::uint32_t));
-  visible_indices_ = gpu::Buffer(device_, "visible hull indices", hull_triangles_ * 3 * sizeof(std::uint32_t));
   rest_sums_ = gpu::Buffer(device_, "sums without small triangles", sums_.bytes());
   rest_indices_ = gpu::Buffer(device_, "hull indices without small triangles", hull_indices_.bytes());
   rest_commands_ = gpu::Buffer(device_, "draws without small triangles",
                                visibility_batches_.size() * sizeof(VkDrawIndexedIndirectCommand));
   small_records_ = gpu::Buffer(device_, "small triangles", small_count(true) * sizeof(std::uint32_t));
-  visible_ = gpu::Buffer(device_, "visible triangles", (slots + pieces_) * sizeof(std::uint32_t));
-  visible_sums_ = gpu::Buffer(device_, "visible sums", (std::uint64_t{chunk_count_} + 1) * sizeof(glm::uvec4));
-  visible_commands_ =
-      gpu::Buffer(device_, "visible draws", material_batches_.size() * sizeof(VkDrawIndexedIndirectCommand));
 }
 
 void Frontend::record_culling(gpu::PassRecorder& recorder) {
@@ -193,7 +184,6 @@ void Frontend::record_culling(gpu::PassRecorder& recorder) {
 }
 
 void Frontend::record_setup(gpu::PassRecorder& recorder) {
-  visible_known_ = false;
   record_culling(recorder);
 
   gpu::ComputePass emit;
@@ -247,42 +237,6 @@ void Frontend::record_small_list(gpu::PassRecorder& recorder, const std::string&
   record_arguments(recorder, name, visibility_batches_.size(), visibility_ranges_, rest_sums_, rest_commands_);
 }
 
-void Frontend::record_visible(gpu::PassRecorder& recorder, gpu::Image& visibility) {
-  visible_known_ = true;
-  const auto& size = visibility.description();
-  recorder.fill("compaction", visible_, 0);
-  gpu::RasterPass mark;
-  mark.name = "compaction";
-  mark.pipeline.vertex = "shade/fullscreen.vert";
-  mark.pipeline.fragment = "frontend/mark_visible.frag";
-  mark.pipeline.constants = constants();
-  mark.size = {size.width, size.height};
-  mark.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::writes(FRONTEND_SLOT_VISIBLE, visible_)};
-  recorder.raster(std::move(mark));
-
-  const gpu_types::EmitPush push{chunk_count_, chunk_count_ * kChunk, static_cast<std::uint32_t>(hull_triangles_), 0,
-                                 0};
-  const gpu_types::ChunkSumPush sum_push{push.chunk_count, push.triangle_slots, 0};
-  gpu::ComputePass pass;
-  pass.name = "compaction";
-  pass.push = gpu::PushConstants(sum_push);
-  pass.shader = "frontend/chunk_sum.comp:VISIBLE";
-  pass.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, counts_), gpu::writes(FRONTEND_SLOT_SUMS, visible_sums_),
-                   gpu::reads(FRONTEND_SLOT_PIECE_BASES, piece_bases_), gpu::reads(FRONTEND_SLOT_VISIBLE, visible_)};
-  pass.groups = {groups_of(chunk_count_, 64), 1, 1};
-  recorder.compute(pass);
-  record_scan(recorder, "compaction", visible_sums_, chunk_count_);
-  pass.push = gpu::PushConstants(push);
-  pass.shader = "frontend/emit.comp:VISIBLE";
-  pass.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, counts_), gpu::reads(FRONTEND_SLOT_SUMS, visible_sums_),
-                   gpu::writes(FRONTEND_SLOT_HULL_INDICES, visible_indices_),
-                   gpu::reads(FRONTEND_SLOT_PIECE_BASES, piece_bases_), gpu::reads(FRONTEND_SLOT_VISIBLE, visible_)};
-  pass.groups = {groups_of(chunk_count_, 64), 1, 1};
-  recorder.compute(pass);
-  record_arguments(recorder, "compaction", material_batches_.size(), material_ranges_, visible_sums_,
-                   visible_commands_);
-}
-
 void Frontend::record_arguments(gpu::PassRecorder& recorder, const std::string& name, std::size_t batches,
                                 gpu::Buffer& ranges, gpu::Buffer& sums, gpu::Buffer& commands) {
   gpu::ComputePass pass;
@@ -332,14 +286,13 @@ gpu_types::HullPush Frontend::hull_push(gpu::AddressUses& pass, std::uint32_t ma
           .last_fragment = 0};
 }
 
-std::uint64_t Frontend::count_fragments(bool visible, std::uint32_t width, std::uint32_t height) {
+std::uint64_t Frontend::count_fragments(std::uint32_t width, std::uint32_t height) {
   gpu::PassRecorder recorder(device_);
   // Additive blending needs floats, which count exactly to 2^24 a pixel.
   constexpr VkFormat kCount = VK_FORMAT_R32_SFLOAT;
   gpu::Image& counts = recorder.image({"fragments", kCount, width, height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
                                        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false});
   GeometryPass geometry;
-  geometry.by_material = visible;
   geometry.fragment_opaque = geometry.fragment_alpha = "frontend/count_fragments.frag";
   geometry.pass.name = "fragments";
   geometry.pass.pipeline.constants = {{CONSTANT_ALPHA_MODE, ALPHA_MODE_TO_COVERAGE}};  // what triangles cover, whole
@@ -373,13 +326,11 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   pass.bindings.push_back(gpu::uniform(scene_.frame_constants));
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_UV_MAPPINGS, scene_.uv_mappings));
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_MATERIALS, scene_.materials));
-  const bool visible_only = geometry.by_material && visible_known_;
-  pass.triangles = visible_only ? gpu::Triangles::visible : gpu::Triangles::all;
-  gpu::Buffer& commands = geometry.without_small  ? rest_commands_
-                          : !geometry.by_material ? visibility_commands_
-                          : visible_only          ? visible_commands_
-                                                  : material_commands_;
-  gpu::Buffer& indices = geometry.without_small ? rest_indices_ : visible_only ? visible_indices_ : hull_indices_;
+  pass.triangles = gpu::Triangles::all;
+  gpu::Buffer& commands = geometry.without_small ? rest_commands_
+                          : geometry.by_material ? material_commands_
+                                                 : visibility_commands_;
+  gpu::Buffer& indices = geometry.without_small ? rest_indices_ : hull_indices_;
   pass.indices_and_indirect = {&indices, &commands};
   const auto& batches = geometry.by_material ? material_batches_ : visibility_batches_;
   const gpu_types::HullPush push = hull_push(pass, batches.empty() ? 0 : batches.front().material);

@@ -32,10 +32,9 @@ class Frontend {
   };
   void record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry);
 
-  // Fragments of a geometry pass, of all triangles or of those that own a sample, counted by drawing it once more after
-  // the recorded passes have run: pixels, summed over triangles, of which the triangle covers a sample, before depth
-  // and alpha.
-  std::uint64_t count_fragments(bool visible, std::uint32_t width, std::uint32_t height);
+  // Fragments of a geometry pass, counted by drawing it once more after the recorded passes have run: pixels, summed
+  // over triangles, of which the triangle covers a sample, before depth and alpha.
+  std::uint64_t count_fragments(std::uint32_t width, std::uint32_t height);
 
   // Triangles so small that passes do better to find their pixels in compute (COUNT_SMALL_ bits): how many, known from
   // prepare(); where their records are listed, in submission order, once the passes named `name` have run. Alpha-tested
@@ -45,10 +44,6 @@ class Frontend {
   std::uint64_t small_blocks() const { return small_blocks_; }
   void record_small_list(gpu::PassRecorder& recorder, const std::string& name, bool with_tested = false);
   gpu::Buffer& small_records() { return small_records_; }
-
-  // Finds which triangles own a sample of `visibility` (visibility.hpp), passes "compaction". From then on passes by
-  // material of the frame draw those alone.
-  void record_visible(gpu::PassRecorder& recorder, gpu::Image& visibility);
 
   // Specialization constants every front-end shader takes: samples and features.
   gpu::Constants constants() const;
@@ -96,8 +91,6 @@ class Frontend {
   std::vector<Batch> material_batches_, visibility_batches_;
   gpu::Buffer chunks_, clip_matrices_, counts_, clip_list_, clip_count_, sums_, piece_bases_, records_, hull_indices_;
   gpu::Buffer rest_sums_, rest_indices_, rest_commands_, small_records_;
-  bool visible_known_ = false;
-  gpu::Buffer visible_, visible_sums_, visible_indices_, visible_commands_;
   gpu::Buffer material_ranges_, visibility_ranges_, material_commands_, visibility_commands_;
 };
 

@@ -161,7 +161,6 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrontendFrame& 
     attach_visibility(pass, image, group, g);
     frame.frontend.record_geometry(recorder, std::move(geometry));
   }
-  frame.frontend.record_visible(recorder, image);
   return image;
 }
 

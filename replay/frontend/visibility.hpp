@@ -9,7 +9,7 @@ namespace subpixel::replay {
 // spot may count the lists.
 SmallTriangles choose_small_triangles(const FrontendFrame& frame);
 
-// Records the passes, named "visibility", and the front-end's compaction to visible triangles; returns the image
+// Records the passes, named "visibility"; returns the image
 // (RGBA32UI array, layers as shaders/include/visibility.glsl reads them), of 1, 2, 4, 8, 16, 32 or 64 samples.
 gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrontendFrame& frame);
 

@@ -282,6 +282,7 @@ void PassRecorder::compute(ComputePass pass) {
   step.timing = timing(pass.name);
   step.uses = uses_of(pass.bindings, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
   add_addressed(step.uses, pass, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
+  timings_[step.timing].listed_fragments += pass.fragments;
   if (pass.indirect)
     step.uses.push_back(
         {pass.indirect,
@@ -389,7 +390,6 @@ void PassRecorder::raster(RasterPass pass) {
   const VkFramebuffer target = framebuffer(pass, render_pass);
   const VkExtent2D extent = extent_of(pass);
   timings_[step.timing].times_all += pass.triangles == Triangles::all ? 1 : 0;
-  timings_[step.timing].times_visible += pass.triangles == Triangles::visible ? 1 : 0;
   if (!pass.draws) timings_[step.timing].screen_pixels += std::uint64_t{extent.width} * extent.height;
   step.record = [this, pipeline, render_pass, target, extent, ordered,
                  pass = std::move(pass)](VkCommandBuffer commands) {

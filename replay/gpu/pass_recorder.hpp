@@ -99,6 +99,7 @@ struct ComputePass : AddressUses {
   std::array<std::uint32_t, 3> groups{1, 1, 1};
   VkDescriptorSet material = VK_NULL_HANDLE;  // set 1, if the shader reads a material's textures
   Buffer* indirect = nullptr;                 // the three group counts are read from its start instead of `groups`
+  std::uint64_t fragments = 0;                // that it goes through, of passes over lists of them
 };
 
 struct RasterPass;
@@ -134,8 +135,8 @@ struct Attachment {
 };
 
 // The frame's triangles that a raster pass draws, which decide how many fragments it shades: those of the front-end
-// that are on the screen or those that own a sample. Small ones left to a compute pass of the same name count as drawn.
-enum class Triangles { none, all, visible };
+// that are on the screen. Small ones left to a compute pass of the same name count as drawn.
+enum class Triangles { none, all };
 
 struct RasterPass : AddressUses {
   std::string name;
@@ -157,7 +158,8 @@ struct PassTiming {
   std::string name;
   std::vector<double> ms;                          // one for each run since clear_timings
   std::uint64_t screen_pixels = 0;                 // of the full-screen triangles of one run
-  std::uint32_t times_all = 0, times_visible = 0;  // that one run draws those triangles
+  std::uint64_t listed_fragments = 0;              // that compute passes of one run go through
+  std::uint32_t times_all = 0;                     // that one run draws those triangles
 };
 
 class PassRecorder {

@@ -123,6 +123,7 @@ std::uint32_t bytes_per_texel(VkFormat format) {
       return 4;
     case VK_FORMAT_R32G32_UINT:
     case VK_FORMAT_R32G32_SFLOAT:
+    case VK_FORMAT_R16G16B16A16_UINT:
     case VK_FORMAT_R16G16B16A16_SFLOAT:
       return 8;
     case VK_FORMAT_R32G32B32A32_UINT:

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/agaa/agaa_interface.h"
 
@@ -167,6 +166,8 @@ State make_state(gpu::PassRecorder& recorder, const Setup& setup) {
   constexpr std::uint64_t kBorderRows = 5;
   state.sums = &recorder.buffer("aggregates", (setup.height + kBorderRows) * setup.width * setup.parameters.aggregates *
                                                   aggregate_words(setup) * 4);
+  gpu::Buffer& parts =
+      recorder.buffer("fragments' parts", setup.lists.value().count * aggregate_words(setup) * 4);
   state.table = &recorder.address_table("aggregate state", sizeof(gpu_types::AgaaState));
   float largest = 0;
   for (const auto& material :
@@ -176,34 +177,40 @@ State make_state(gpu::PassRecorder& recorder, const Setup& setup) {
   if (setup.scene.features().has(FEATURE_UNLIT)) largest = std::max(largest, 1.0f);
   state.table->set(gpu_types::AgaaState{
       .sums = state.table->of(*state.sums),
+      .parts = state.table->of(parts),
       .largest_emission = largest > 0 && std::isfinite(largest) ? largest : 1.0f,
   });
   return state;
 }
 
-void record_generation(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility, gpu::Image* membership,
-                       const State& state) {
-  recorder.fill("generate", *state.sums, 0);
-  Frontend::GeometryPass geometry;
-  geometry.by_material = true;
-  geometry.fragment_opaque =
-      lit_colours(setup) ? "techniques/agaa/accumulate.frag:LIT" : "techniques/agaa/accumulate.frag:PLAIN";
-  gpu::RasterPass& pass = geometry.pass;
-  pass.name = "generate";
-  pass.size = {setup.width, setup.height};
-  pass.pipeline.constants = common_constants(setup);
-  gpu::append(pass.pipeline.constants, agaa_constants(setup));
+void record_generation(gpu::PassRecorder& recorder, const Setup& setup, const VisibleFragments& visible,
+                       gpu::Image* membership, const State& state) {
+  ListedPass parts;
+  parts.name = "generate";
+  parts.shader = lit_colours(setup) ? "techniques/agaa/contribute.comp:LIT" : "techniques/agaa/contribute.comp:PLAIN";
+  parts.constants = common_constants(setup);
+  gpu::append(parts.constants, agaa_constants(setup));
   // With one aggregate the shader reads no membership, but declares it: the slot may not be empty.
   if (!membership)
     membership =
         &recorder.image({.name = "no membership", .format = VK_FORMAT_R32_UINT, .usage = VK_IMAGE_USAGE_SAMPLED_BIT});
-  pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(AGAA_SLOT_MEMBERSHIP, *membership),
-                   gpu::writes(AGAA_SLOT_STATE, *state.table)};
+  parts.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, *visible.visibility),
+                    gpu::samples(AGAA_SLOT_MEMBERSHIP, *membership), gpu::writes(AGAA_SLOT_STATE, *state.table)};
   if (lit_colours(setup))
-    pass.bindings.insert(pass.bindings.end(),
-                         {gpu::reads(FRAME_SLOT_SPOT_CONES, setup.scene.spot_cones),
-                          gpu::samples(FRAME_SLOT_SHADOW_MAP, setup.scene.shadow_map, &setup.scene.shadow_sampler)});
-  setup.frontend.record_geometry(recorder, std::move(geometry));
+    for (const gpu::Binding& light : light_bindings(setup)) parts.bindings.push_back(light);
+  record_listed_fragments(recorder, setup, visible.lists, parts);
+
+  gpu::ComputePass add;
+  add.name = "generate";
+  add.shader = "techniques/agaa/add.comp";
+  add.constants = setup.frontend.constants();
+  gpu::append(add.constants, common_constants(setup));
+  gpu::append(add.constants, agaa_constants(setup));
+  add.bindings = {gpu::uniform(setup.scene.frame_constants), gpu::writes(AGAA_SLOT_STATE, *state.table)};
+  add.push = gpu::PushConstants(gpu_types::VisibleFragmentsPush{
+      .lists = visible.lists.writes(add), .width = setup.width, .height = setup.height});
+  add.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
+  recorder.compute(std::move(add));
 }
 
 void record_shading(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility, const ViewSpace& space,
@@ -229,13 +236,13 @@ void record_maps(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& vi
 }
 
 void record(gpu::PassRecorder& recorder, const Setup& setup) {
-  setup.frontend.record_setup(recorder);
-  gpu::Image& visibility = record_visibility(recorder, setup);
+  const VisibleFragments visible = record_visible(recorder, setup);
+  gpu::Image& visibility = *visible.visibility;
   const ViewSpace space = view_space(setup);
   gpu::Image* const membership =
       setup.parameters.aggregates > 1 ? &record_definition(recorder, setup, visibility, space) : nullptr;
   const State state = make_state(recorder, setup);
-  record_generation(recorder, setup, visibility, membership, state);
+  record_generation(recorder, setup, visible, membership, state);
   record_shading(recorder, setup, visibility, space, state);
   record_maps(recorder, setup, visibility, space, state);
 }
@@ -280,6 +287,7 @@ const Technique kAgaa = TechniqueOf<AgaaParameters>{
              {"footprint", "Deviation of positions within an aggregate", "thousandths of a world unit", 1000}},
     .layout = layout,
     .record = record,
+    .lists = ListedMasks::visible,
 };
 
 }  // namespace subpixel::replay

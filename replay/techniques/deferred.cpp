@@ -29,32 +29,41 @@ std::uint32_t gbuffer_group(std::uint32_t samples) {
   return std::min(samples, 8u);
 }
 
-gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, bool all_samples) {
-  const std::uint32_t layers = all_samples ? setup.samples : gbuffer_group(setup.samples);
-  const VkFormat format = narrow_samples(setup) ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32G32B32A32_UINT;
-  return target_array(recorder, setup, "G-buffer", format, layers);
+VkFormat stored_sample_format(const FrameSetup& setup) {
+  return narrow_samples(setup) ? VK_FORMAT_R16G16B16A16_UINT : VK_FORMAT_R32G32B32A32_UINT;
 }
 
-void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, gpu::Image& gbuffer,
-                    std::uint32_t group) {
+const char* stored_sample_variant(const FrameSetup& setup) {
+  return narrow_samples(setup) ? ":NARROW" : ":WIDE";
+}
+
+gpu::Image& stored_samples(gpu::PassRecorder& recorder, const FrameSetup& setup, std::string name,
+                           std::uint32_t layers) {
+  return recorder.image({std::move(name), stored_sample_format(setup), setup.width, setup.height, 1, layers,
+                         VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
+}
+
+gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, bool all_samples) {
+  return stored_samples(recorder, setup, "G-buffer", all_samples ? setup.samples : gbuffer_group(setup.samples));
+}
+
+void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, const VisibleFragments& visible,
+                    gpu::Image& gbuffer, std::uint32_t group) {
   const std::uint32_t count = gbuffer_group(setup.samples);
-  const std::uint32_t first_layer = gbuffer.description().layers > count ? group * count : 0;
-  Frontend::GeometryPass geometry;
-  geometry.by_material = true;
-  geometry.fragment_opaque = "deferred/gbuffer.frag:" + std::to_string(count);
-  gpu::RasterPass& pass = geometry.pass;
+  ListedPass pass;
   pass.name = "gbuffer";
-  pass.pipeline.constants = common_constants(setup);
-  pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, group);
-  pass.pipeline.targets.ordered_read = count > 1;
-  pass.pipeline.targets.clear = true;
-  for (std::uint32_t i = 0; i < count; ++i) pass.colours.emplace_back(gbuffer, first_layer + i);
-  pass.clear_colours.assign(count, {});
-  pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility)};
-  setup.frontend.record_geometry(recorder, std::move(geometry));
+  pass.shader = std::string("deferred/gbuffer.comp") + stored_sample_variant(setup);
+  pass.constants = common_constants(setup);
+  gpu::append(pass.constants,
+              {{CONSTANT_SAMPLE_GROUP, group},
+               {CONSTANT_GROUP_SAMPLES, count},
+               {DEFERRED_CONSTANT_FIRST_LAYER, gbuffer.description().layers > count ? group * count : 0}});
+  pass.bindings = {gpu::image_writes(DEFERRED_SLOT_SAMPLES, gbuffer)};
+  record_listed_fragments(recorder, setup, visible.lists, pass);
 }
 
 SampleImages record_gbuffer_in_order(gpu::PassRecorder& recorder, const FrameSetup& setup) {
+  setup.frontend.record_setup(recorder);
   gpu::Image& visibility = visibility_image(recorder, setup);
   gpu::Image& gbuffer =
       recorder.image({"G-buffer", VK_FORMAT_R32G32B32A32_UINT, setup.width, setup.height, 1, setup.samples,
@@ -161,16 +170,16 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
 }
 
 gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  setup.frontend.record_setup(recorder);
-  return record_shaded_samples(recorder, setup, record_visibility(recorder, setup));
+  return record_shaded_samples(recorder, setup, record_visible(recorder, setup));
 }
 
-gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility) {
+gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup,
+                                  const VisibleFragments& visible) {
   gpu::Image& gbuffer = gbuffer_image(recorder, setup);
   gpu::Image& sum = sum_image(recorder, setup);
   for (std::uint32_t group = 0; group < setup.samples / gbuffer_group(setup.samples); ++group) {
-    record_gbuffer(recorder, setup, visibility, gbuffer, group);
-    record_sample_shading(recorder, setup, visibility, gbuffer, sum, group);
+    record_gbuffer(recorder, setup, visible, gbuffer, group);
+    record_sample_shading(recorder, setup, *visible.visibility, gbuffer, sum, group);
   }
   return sum;
 }

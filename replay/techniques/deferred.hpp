@@ -16,14 +16,21 @@ std::uint32_t gbuffer_group(std::uint32_t samples);
 // What shaders/deferred/stored_sample.glsl stores of a sample: 8 bytes where they hold all that varies in the scene,
 // else 16.
 bool narrow_samples(const FrameSetup& setup);
-// RG32UI or RGBA32UI array, a stored sample in each layer: of gbuffer_group(samples) layers, or of all samples.
+// RGBA16UI or RGBA32UI.
+VkFormat stored_sample_format(const FrameSetup& setup);
+// The variant, ":NARROW" or ":WIDE", of shaders that write such images.
+const char* stored_sample_variant(const FrameSetup& setup);
+// An array of them that passes write and later ones read, `name`d.
+gpu::Image& stored_samples(gpu::PassRecorder& recorder, const FrameSetup& setup, std::string name,
+                           std::uint32_t layers);
+// A stored sample in each layer: of gbuffer_group(samples) layers, or of all samples.
 gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, bool all_samples = false);
-// Fills it for sample group `group`, whose layers follow those of the groups before when it has all samples; pass
-// "gbuffer".
-void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility, gpu::Image& gbuffer,
-                    std::uint32_t group);
+// Fills it for sample group `group`, whose layers follow those of the groups before when it has all samples; those of
+// samples that show the sky stay as they are. Pass "gbuffer".
+void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, const VisibleFragments& visible,
+                    gpu::Image& gbuffer, std::uint32_t group);
 
-// Both at once, without a depth pass before: fragments come in submission order and store their surfaces over those of
+// Set-up and both at once, without a depth pass before: fragments come in submission order and store their surfaces over those of
 // samples that they hide, so what is hidden later is paid for. Leaves what record_visibility() and record_gbuffer()
 // leave for all samples, at least 4, each in 16 bytes; passes "gbuffer". The map and the counter "written" say how many
 // fragments have stored something, above 16 samples once for each 16.
@@ -52,7 +59,8 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
 // From the front-end's set-up to shading: the sum over every sample, all of them lit.
 gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup);
 // From the G-buffer on.
-gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup, gpu::Image& visibility);
+gpu::Image& record_shaded_samples(gpu::PassRecorder& recorder, const FrameSetup& setup,
+                                  const VisibleFragments& visible);
 
 // A list of pixels that compute passes work through (shaders/deferred/pixel_list.glsl).
 struct PixelList {

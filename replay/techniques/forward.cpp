@@ -1,9 +1,9 @@
 // Forward shading with multi-sampled visibility: what the papers call their visual reference. Akeley 1993,
 // "RealityEngine graphics": a fragment is shaded once and its colour goes to all samples it covers. The visibility
 // buffer comes first, so only fragments that some sample shows are lit, as after a depth pre-pass; their colours are
-// added up with the number of those samples as weight, which leaves the same pixel as n stored colours would.
-#include "replay/frontend/visibility.hpp"
-#include "replay/techniques/deferred.hpp"
+// added up with the number of those samples as weight, which leaves the same pixel as n stored colours would. They are
+// lit from lists of what shows, as `visibility` does.
+#include "replay/techniques/visible_shading.hpp"
 
 namespace subpixel::replay {
 namespace {
@@ -15,29 +15,10 @@ MemoryLayout layout(const FrameSetup& setup) {
 }
 
 void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  setup.frontend.record_setup(recorder);
-  gpu::Image& visibility = record_visibility(recorder, setup);
-  gpu::Image& sum = sum_image(recorder, setup);
-
-  gpu::RasterPass background = lighting_pass(setup, "background", "techniques/forward/background.frag");
-  background.pipeline.targets.clear = true;
-  background.colours = {{sum}};
-  background.clear_colours = {{}};
-  background.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
-  recorder.raster(std::move(background));
-
-  Frontend::GeometryPass geometry;
-  geometry.by_material = true;
-  geometry.fragment_opaque = "techniques/forward/forward.frag";
-  gpu::RasterPass& pass = geometry.pass;
-  pass.name = "forward";
-  pass.pipeline.constants = common_constants(setup);
-  pass.pipeline.additive = true;
-  pass.colours = {{sum}};
-  pass.bindings = light_bindings(setup);
-  pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
-  setup.frontend.record_geometry(recorder, std::move(geometry));
-  record_resolve(recorder, setup, sum);
+  const VisibleFragments visible = record_visible(recorder, setup);
+  record_listed_fragments(recorder, setup, visible.lists,
+                          visible_shading(setup, ShadingPoint::covered, "techniques/visibility/shade.comp"));
+  record_visible_resolve(recorder, setup, visible.lists);
 }
 
 }  // namespace
@@ -52,6 +33,7 @@ const Technique kForward = TechniqueOf<CommonParameters>{
     .maps = {},
     .layout = layout,
     .record = record,
+    .lists = ListedMasks::visible,
 };
 
 }  // namespace subpixel::replay

@@ -68,6 +68,7 @@ const Technique kFxaa = TechniqueOf<FxaaParameters>{
     .maps = {{"changed", "Pixels the filter changed", "", 1}},
     .layout = full_sample_layout,
     .record = record,
+    .lists = ListedMasks::visible,
 };
 
 }  // namespace subpixel::replay

@@ -11,7 +11,6 @@
 #include <cmath>
 
 #include "replay/frontend/list_passes.hpp"
-#include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/linked_list/linked_list_interface.h"
 
@@ -105,17 +104,15 @@ void record_allocation(gpu::PassRecorder& recorder, const LinkedListSetup& setup
   recorder.compute(std::move(pass));
 }
 
-void record_geometry(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
-  Frontend::GeometryPass geometry;
-  geometry.by_material = true;
-  geometry.fragment_opaque = "techniques/linked_list/gbuffer.frag";
-  gpu::RasterPass& pass = geometry.pass;
+void record_geometry(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const FragmentLists& fragments,
+                     const Lists& lists) {
+  ListedPass pass;
   pass.name = "gbuffer";
-  pass.size = {setup.width, setup.height};
-  pass.pipeline.constants = common_constants(setup);
-  gpu::append(pass.pipeline.constants, list_constants(setup));
+  pass.shader = "techniques/linked_list/gbuffer.comp";
+  pass.constants = common_constants(setup);
+  gpu::append(pass.constants, list_constants(setup));
   bind(pass, lists);
-  setup.frontend.record_geometry(recorder, std::move(geometry));
+  record_listed_fragments(recorder, setup, fragments, pass);
 }
 
 // The dynamic blocks' part of `shading`, which has the lights bound.
@@ -189,9 +186,9 @@ std::uint64_t linked_list_pool_bytes(const LinkedListSetup& setup, std::uint64_t
 }
 
 void record_linked_list(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const LinkedListPool& pool) {
-  setup.frontend.record_setup(recorder);
+  const VisibleFragments visible = record_visible(recorder, setup);
   Lists lists;
-  lists.visibility = &record_visibility(recorder, setup);
+  lists.visibility = visible.visibility;
   gpu::Buffer* owners = by_blocks(setup) ? &recorder.buffer("block owners", pool.dynamic_blocks * 4) : nullptr;
   lists.pool = &recorder.address_table("lists", sizeof(gpu_types::LinkPool));
   lists.pool->set(gpu_types::LinkPool{.words = lists.pool->of(*pool.buffer) + pool.first_byte,
@@ -201,7 +198,7 @@ void record_linked_list(gpu::PassRecorder& recorder, const LinkedListSetup& setu
                                       .width = setup.width,
                                       .height = setup.height});
   record_allocation(recorder, setup, lists);
-  record_geometry(recorder, setup, lists);
+  record_geometry(recorder, setup, visible.lists, lists);
   record_shading(recorder, setup, lists);
   record_maps(recorder, setup, lists);
 }
@@ -238,6 +235,7 @@ const Technique kLinkedList = TechniqueOf<LinkedListParameters>{
              {"leaks", "Samples that show the sky for want of a block", "samples", 0}},
     .layout = layout,
     .record = record,
+    .lists = ListedMasks::visible,
 };
 
 }  // namespace subpixel::replay

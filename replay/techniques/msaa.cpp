@@ -16,7 +16,6 @@ void record(gpu::PassRecorder& recorder, const FrameSetup& setup) {
 
 void record_msaa(gpu::PassRecorder& recorder, const SetupFor<PrepassParameters>& setup) {
   if (setup.parameters.prepass) return record(recorder, setup);
-  setup.frontend.record_setup(recorder);
   const auto [visibility, gbuffer] = record_gbuffer_in_order(recorder, setup);
   gpu::Image& sum = sum_image(recorder, setup);
   for (std::uint32_t group = 0; group < setup.samples / gbuffer_group(setup.samples); ++group)
@@ -36,6 +35,7 @@ const Technique kNoaa = TechniqueOf<NoaaParameters>{
     .maps = {},
     .layout = full_sample_layout,
     .record = record,
+    .lists = ListedMasks::visible,
 };
 
 const Technique kMsaa = TechniqueOf<PrepassParameters>{
@@ -47,6 +47,7 @@ const Technique kMsaa = TechniqueOf<PrepassParameters>{
     .maps = {written_map()},
     .layout = full_sample_layout,
     .record = record_msaa,
+    .lists = ListedMasks::visible,
 };
 
 }  // namespace subpixel::replay

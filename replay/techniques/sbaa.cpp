@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/sbaa/sbaa_interface.h"
 
@@ -67,8 +66,8 @@ gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const Setup& setup) {
 
 void record(gpu::PassRecorder& recorder, const Setup& setup) {
   const std::uint32_t kept = setup.parameters.surfaces;
-  setup.frontend.record_setup(recorder);
-  gpu::Image& visibility = record_visibility(recorder, setup);
+  const VisibleFragments visible = record_visible(recorder, setup);
+  gpu::Image& visibility = *visible.visibility;
 
   gpu::Buffer& faces = record_faces(recorder, setup);
   constexpr VkFormat kWords = VK_FORMAT_R32G32B32A32_UINT;
@@ -89,20 +88,14 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
       .faces = analyse.reads(faces), .cosine = static_cast<float>(std::cos(setup.parameters.normal_angle))});
   recorder.raster(std::move(analyse));
 
-  const bool narrow = narrow_samples(setup);
-  gpu::Image& gbuffer =
-      recorder.image({"G-buffer", narrow ? VK_FORMAT_R16G16B16A16_UINT : kWords, setup.width, setup.height, 1, kept,
-                      VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
-  Frontend::GeometryPass geometry;
-  geometry.by_material = true;
-  geometry.fragment_opaque = narrow ? "techniques/sbaa/surfaces.frag:NARROW" : "techniques/sbaa/surfaces.frag:WIDE";
-  geometry.pass.name = "surfaces";
-  geometry.pass.size = {setup.width, setup.height};
-  geometry.pass.pipeline.constants = common_constants(setup);
-  geometry.pass.pipeline.constants.emplace_back(SBAA_CONSTANT_SURFACES, kept);
-  geometry.pass.bindings = {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(SBAA_SLOT_SURFACES, stored),
-                            gpu::image_writes(SBAA_SLOT_STORED, gbuffer)};
-  setup.frontend.record_geometry(recorder, std::move(geometry));
+  gpu::Image& gbuffer = stored_samples(recorder, setup, "G-buffer", kept);
+  ListedPass pass;
+  pass.name = "surfaces";
+  pass.shader = std::string("techniques/sbaa/surfaces.comp") + stored_sample_variant(setup);
+  pass.constants = common_constants(setup);
+  pass.constants.emplace_back(SBAA_CONSTANT_SURFACES, kept);
+  pass.bindings = {gpu::samples(SBAA_SLOT_SURFACES, stored), gpu::image_writes(SBAA_SLOT_STORED, gbuffer)};
+  record_listed_fragments(recorder, setup, visible.lists, pass);
 
   gpu::Image& sum = sum_image(recorder, setup);
   gpu::RasterPass shade = lighting_pass(setup, "shade", "techniques/sbaa/shade.frag");
@@ -138,6 +131,7 @@ const Technique kSbaa = TechniqueOf<SbaaParameters>{
     .maps = {{"surfaces", "Surfaces kept", "per pixel", 8}, {"dropped", "Samples dropped", "per pixel"}},
     .layout = layout,
     .record = record,
+    .lists = ListedMasks::visible,
 };
 
 }  // namespace subpixel::replay

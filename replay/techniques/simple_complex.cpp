@@ -2,7 +2,6 @@
 // rendering for current and future rendering pipelines", the baseline of the streaming and the aggregate papers. All n
 // samples of the G-buffer are kept, since pixels are classified before any is shaded. Complex pixels are gathered in a
 // list, so that the lanes of a group all have n samples to shade.
-#include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/simple_complex/simple_complex_interface.h"
 
@@ -40,15 +39,14 @@ gpu::Image& record_classification(gpu::PassRecorder& recorder, const Setup& setu
 }
 
 SampleImages record_samples(gpu::PassRecorder& recorder, const Setup& setup) {
-  gpu::Image& visibility = record_visibility(recorder, setup);
+  const VisibleFragments visible = record_visible(recorder, setup);
   gpu::Image& gbuffer = gbuffer_image(recorder, setup, true);
   for (std::uint32_t group = 0; group < setup.samples / gbuffer_group(setup.samples); ++group)
-    record_gbuffer(recorder, setup, visibility, gbuffer, group);
-  return {visibility, gbuffer};
+    record_gbuffer(recorder, setup, visible, gbuffer, group);
+  return {*visible.visibility, gbuffer};
 }
 
 void record(gpu::PassRecorder& recorder, const Setup& setup) {
-  setup.frontend.record_setup(recorder);
   const auto [visibility, gbuffer] =
       setup.parameters.prepass ? record_samples(recorder, setup) : record_gbuffer_in_order(recorder, setup);
   gpu::Image& flags = record_classification(recorder, setup, visibility, gbuffer);
@@ -105,6 +103,7 @@ const Technique kSimpleComplex = TechniqueOf<SimpleComplexParameters>{
     .maps = {{"complex", "Complex pixels", "shaded per sample", 1}, written_map()},
     .layout = layout,
     .record = record,
+    .lists = ListedMasks::visible,
 };
 
 }  // namespace subpixel::replay

@@ -145,6 +145,7 @@ const Technique kSmaa = TechniqueOf<SmaaParameters>{
     .maps = {{"edges", "Edges found", "edges", 2}, {"blended", "Share taken from neighbours", "1/255", 128}},
     .layout = layout,
     .record = record,
+    .lists = ListedMasks::visible,
 };
 
 }  // namespace subpixel::replay

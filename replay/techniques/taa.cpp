@@ -79,9 +79,8 @@ void record_accumulate(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
 }
 
 void record(gpu::PassRecorder& recorder, const Setup& setup) {
-  setup.frontend.record_setup(recorder);
-  gpu::Image& visibility = record_visibility(recorder, setup);
-  record_accumulate(recorder, setup, visibility, record_shaded_samples(recorder, setup, visibility));
+  const VisibleFragments visible = record_visible(recorder, setup);
+  record_accumulate(recorder, setup, *visible.visibility, record_shaded_samples(recorder, setup, visible));
 }
 
 }  // namespace
@@ -120,6 +119,7 @@ const Technique kTaa = TechniqueOf<TaaParameters>{
     .maps = {{"rejected", "History rejected", "", 1}, {"clipped", "How far history was clipped", "1/255", 64}},
     .layout = layout,
     .record = record,
+    .lists = ListedMasks::visible,
 };
 
 }  // namespace subpixel::replay

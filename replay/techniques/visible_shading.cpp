@@ -1,15 +1,8 @@
 #include "replay/techniques/visible_shading.hpp"
 
-#include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
 
 namespace subpixel::replay {
-
-VisibleFragments record_visible(gpu::PassRecorder& recorder, const FrameSetup& setup) {
-  setup.frontend.record_setup(recorder);
-  gpu::Image& visibility = record_visibility(recorder, setup);
-  return {&visibility, record_visible_fragments(recorder, setup, visibility, setup.lists.value(), "list")};
-}
 
 ListedPass visible_shading(const FrameSetup& setup, ShadingPoint point, std::string shader) {
   ListedPass pass;

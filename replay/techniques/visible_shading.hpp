@@ -19,13 +19,6 @@ Field<P> shading_point(ShadingPoint P::*member) {
 }
 }  // namespace field
 
-// Set-up, visibility and the lists of what it shows, passes "list".
-struct VisibleFragments {
-  gpu::Image* visibility = nullptr;
-  FragmentLists lists;
-};
-VisibleFragments record_visible(gpu::PassRecorder& recorder, const FrameSetup& setup);
-
 // A pass "shade" over the fragments, material by material, which reads the lights; `shader` leaves each one's value as
 // shade/listed_values.glsl stores it.
 ListedPass visible_shading(const FrameSetup& setup, ShadingPoint point, std::string shader);

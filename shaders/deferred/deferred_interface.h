@@ -4,6 +4,8 @@
 
 #include "../include/interface.h"
 
+#define DEFERRED_CONSTANT_FIRST_LAYER 7  // of the G-buffer, which a group of samples goes to
+
 // Storage.
 #define DEFERRED_SLOT_TILE_SUMS 0
 #define DEFERRED_SLOT_TILE_COUNTS 1

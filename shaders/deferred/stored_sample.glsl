@@ -1,7 +1,8 @@
 // A G-buffer sample as the techniques with samples of their own store it: the four words of packing.glsl, or two of them where
 // they can hold all that varies in the scene.
 //   x: albedo 3 x 8, then metallic 8, or roughness 8 in a scene without metal   y: normal
-// The format of the image is gbuffer_image() of replay/techniques/deferred.hpp, which decides as narrow_samples() does.
+// The format of the image is that of stored_sample_format() of replay/techniques/deferred.hpp, which decides as narrow_samples()
+// does.
 // Reads: FEATURES, frame constants.
 #ifndef SUBPIXEL_STORED_SAMPLE_GLSL
 #define SUBPIXEL_STORED_SAMPLE_GLSL
@@ -23,15 +24,21 @@ uvec4 widened(uvec2 stored, uint emission) {
   return uvec4(stored.x & 0xffffffu, stored.y, stored.x >> 24 | kFull, emission);
 }
 
-// Two words are in x and y.
+// Two words as four components of 16 bits, which storage images of every device have; two of 32 they need not.
+uvec4 halves_of_words(uvec2 words) { return uvec4(words.x & 0xffffu, words.x >> 16, words.y & 0xffffu, words.y >> 16); }
+uvec2 words_of_halves(uvec4 halves) { return halves.xz | halves.yw << 16; }
+
 uvec4 stored_sample(Surface s) {
   uvec4 packed = pack_surface(s);
-  return narrow_samples() ? uvec4(narrowed(packed), 0u, 0u) : packed;
+  return narrow_samples() ? halves_of_words(narrowed(packed)) : packed;
 }
 
 // All but the position.
 Surface surface_of_stored(uvec4 stored) {
-  return unpack_surface(narrow_samples() ? widened(stored.xy, 0u) : stored);
+  return unpack_surface(narrow_samples() ? widened(words_of_halves(stored), 0u) : stored);
 }
+
+// The word of its normal.
+uint normal_of_stored(uvec4 stored) { return narrow_samples() ? words_of_halves(stored).y : stored.y; }
 
 #endif

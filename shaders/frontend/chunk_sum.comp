@@ -2,20 +2,16 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: ALL= VISIBLE=-DVISIBLE REST=-DREST
+// variants: ALL= REST=-DREST
 // Sums the hulls' triangles, the clipped pieces and the screen triangles of each chunk; one invocation for each chunk.
-// VISIBLE counts those that own a sample; REST leaves the small ones out of the first sum.
-// Reads: counts; VISIBLE, the flags and the piece bases. Writes: sums (x: hulls' triangles, y: clipped pieces, z: screen
+// REST leaves the small ones out of the first sum.
+// Reads: counts. Writes: sums (x: hulls' triangles, y: clipped pieces, z: screen
 // triangles, pieces among them, w: small ones).
 layout(local_size_x = 64) in;
 #include "frontend/frontend_interface.h"
 
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_COUNTS), scalar) readonly buffer Counts { uint counts[]; };
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SUMS), scalar) writeonly buffer Sums { uvec4 sums[]; };
-#ifdef VISIBLE
-layout(set = 0, binding = STORAGE(FRONTEND_SLOT_PIECE_BASES), scalar) readonly buffer PieceBases { uint piece_bases[]; };
-layout(set = 0, binding = STORAGE(FRONTEND_SLOT_VISIBLE), scalar) readonly buffer Visible { uint visible[]; };
-#endif
 layout(push_constant, scalar) uniform Push { ChunkSumPush push; };
 
 void main() {
@@ -32,12 +28,6 @@ void main() {
     uint hull = clipped ? 2u : count;  // triangles of each record's hull
 #ifdef REST
     hull = small ? 0u : hull;
-#endif
-#ifdef VISIBLE
-    uint seen = 0u;
-    uint first = clipped ? push.triangle_slots + piece_bases[slot] : slot;
-    for (uint piece = 0u; piece < records; ++piece) seen += visible[first + piece];
-    records = seen;
 #endif
     sum += uvec4(records * hull, pieces, records, small ? records : 0u);
   }

@@ -2,11 +2,11 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: ALL= VISIBLE=-DVISIBLE REST=-DREST
+// variants: ALL= REST=-DREST
 // Writes the index buffer of the hulls in submission order and where each clipped triangle's pieces go; one invocation
 // for each chunk.
-// VISIBLE leaves out the triangles that own no sample; REST the small ones, which it lists.
-// Reads: counts, scanned sums; VISIBLE, the flags. Writes: hull indices (4 * record + corner); ALL, piece bases; REST, the
+// REST leaves out the small ones, which it lists.
+// Reads: counts, scanned sums. Writes: hull indices (4 * record + corner); ALL, piece bases; REST, the
 // records of the small triangles.
 layout(local_size_x = 64) in;
 #include "frontend/frontend_interface.h"
@@ -14,10 +14,7 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_COUNTS), scalar) readonly buffer Counts { uint counts[]; };
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SUMS), scalar) readonly buffer Sums { uvec4 sums[]; };
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_HULL_INDICES), scalar) writeonly buffer Hulls { uint hull_indices[]; };
-#ifdef VISIBLE
-layout(set = 0, binding = STORAGE(FRONTEND_SLOT_PIECE_BASES), scalar) readonly buffer PieceBases { uint piece_bases[]; };
-layout(set = 0, binding = STORAGE(FRONTEND_SLOT_VISIBLE), scalar) readonly buffer Visible { uint visible[]; };
-#elif defined(REST)
+#ifdef REST
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_PIECE_BASES), scalar) readonly buffer PieceBases { uint piece_bases[]; };
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SMALL_RECORDS), scalar) writeonly buffer SmallRecords { uint small_records[]; };
 #else
@@ -36,16 +33,13 @@ void main() {
     count &= COUNT_MASK;
     uint pieces = clipped ? count : min(count, 1u);
     uint hull = clipped ? 2u : count;
-#if defined(VISIBLE) || defined(REST)
+#ifdef REST
     if (clipped) out_piece = piece_bases[slot];
 #else
     if (clipped) piece_bases[slot] = out_piece;
 #endif
     for (uint piece = 0u; piece < pieces; ++piece) {
       uint record = clipped ? push.triangle_slots + out_piece + piece : slot;
-#ifdef VISIBLE
-      if (visible[record] == 0u) continue;
-#endif
 #ifdef REST
       if (small) {
         if (out_small < push.small_capacity) small_records[out_small] = record;

@@ -235,6 +235,12 @@ class FrontendRun {
     recorder.compute(std::move(read));
   }
 
+  // Lists of what shows, recorded now.
+  VisibleFragments visible() {
+    const FragmentListSizes sizes = measure_visible_fragments(setup());
+    return {visibility, record_visible_fragments(recorder, setup(), *visibility, sizes, "list")};
+  }
+
   FrameSetup setup() { return {{frontend, width, height, parameters_.alpha, small_}, parameters_, outputs_}; }
 
   // Runs all that is recorded and takes what set-up and visibility left.

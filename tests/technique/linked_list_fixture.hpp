@@ -129,7 +129,7 @@ class FragmentOracle {
     gpu::Image* gbuffer = nullptr;
     if (samples > 2) {
       gbuffer = &gbuffer_image(run.recorder, run.setup());
-      record_gbuffer(run.recorder, run.setup(), *run.visibility, *gbuffer, 0);
+      record_gbuffer(run.recorder, run.setup(), run.visible(), *gbuffer, 0);
     }
     run.run();
     std::vector<std::vector<BlockAttributes>> layers(samples);

@@ -51,7 +51,7 @@ TEST(ShaderInterface, NamesAndSizesAreThoseOfTheSource) {
   ASSERT_EQ(scan.slots.size(), 1u);
   EXPECT_EQ(scan.slots[0].binding, kStorageBinding + FRONTEND_SLOT_SUMS);
   EXPECT_FALSE(scan.slots[0].name.empty());
-  const ShaderInterface& gbuffer = interface_named("techniques/linked_list/gbuffer.frag");
+  const ShaderInterface& gbuffer = interface_named("techniques/linked_list/gbuffer.comp");
   const auto allocation = std::ranges::find(gbuffer.constants, "ALLOCATION", &ShaderInterface::Constant::name);
   ASSERT_NE(allocation, gbuffer.constants.end());
   EXPECT_EQ(allocation->id, std::uint32_t{LINK_CONSTANT_ALLOCATION});
@@ -88,15 +88,15 @@ TEST(ShaderInterface, AConstantThatNobodyDeclaresIsNamed) {
 }
 
 TEST(ShaderInterface, AConstantThatIsMissingIsNamed) {
-  const ShaderInterface& gbuffer = interface_named("techniques/linked_list/gbuffer.frag");
+  const ShaderInterface& gbuffer = interface_named("techniques/linked_list/gbuffer.comp");
   SuppliedInterface supplied;
   for (const auto& constant : gbuffer.constants)
     if (constant.name != "FIRST_BLOCK") supplied.constants.push_back(constant.id);
   for (const auto& slot : gbuffer.slots) supplied.bindings.push_back(slot.binding);
-  supplied.address_tables = {STORAGE(LINK_SLOT_POOL)};
+  supplied.address_tables = {STORAGE(LINK_SLOT_POOL), STORAGE(FRONTEND_SLOT_LISTS)};
   supplied.material = true;
   supplied.push_bytes = gbuffer.push_bytes;
-  const ShaderStage stage{"gbuffer.frag", &gbuffer};
+  const ShaderStage stage{"gbuffer.comp", &gbuffer};
   const std::string said = mismatch(std::span(&stage, 1), supplied);
   EXPECT_NE(said.find("FIRST_BLOCK"), std::string::npos) << said;
   supplied.constants.push_back(LINK_CONSTANT_FIRST_BLOCK);

@@ -24,7 +24,7 @@ namespace subpixel::gpu_types {
 #define AGAA_LIGHT_VARIANCE 32u      // the spread of a light's directions widens the distribution of normals
 #define AGAA_LIT 64u                 // colours multiplied by each sample's shadow as well
 
-#define AGAA_SLOT_STATE 0       // storage: AgaaState
+#define AGAA_SLOT_STATE 1       // storage: AgaaState
 #define AGAA_SLOT_MEMBERSHIP 1  // sampled: bits 0 and 1 of every sample's aggregate
 
 // An aggregate's words (aggregate.glsl): in fixed point three, one more with metal and one more for a mask of over 8
@@ -47,9 +47,10 @@ BUFFER_REFERENCE(AggregateSums)
 BUFFER_REFERENCE(Hulls)
 BUFFER_REFERENCE(Faces)
 
-// Storage buffer: the pixels' aggregates.
+// Storage buffer: the pixels' aggregates, and what each visible fragment adds to one.
 struct AgaaState {
   ADDRESS(AggregateSums) sums;
+  ADDRESS(AggregateSums) parts;
   float largest_emission;  // of the scene; 1 where nothing emits
 };
 
@@ -80,7 +81,7 @@ struct AgaaShadePush {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(AgaaState) == 16);
+static_assert(sizeof(AgaaState) == 24);
 static_assert(sizeof(AgaaFacesPush) == 64);
 static_assert(sizeof(AgaaDefinePush) == 80);
 }  // namespace subpixel::gpu_types

@@ -1,5 +1,5 @@
 // Where a pixel's aggregates lie: a buffer by address, the words of one aggregate together, the aggregates of one pixel
-// together.
+// together. What fragments add lies in another, the words of one together.
 // Reads: AgaaState. Needs frame.glsl, AGGREGATES and aggregate.glsl.
 #ifndef SUBPIXEL_AGAA_SUMS_ACCESS_GLSL
 #define SUBPIXEL_AGAA_SUMS_ACCESS_GLSL

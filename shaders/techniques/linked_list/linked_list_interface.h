@@ -10,9 +10,9 @@
 #define LINK_CONSTANT_LIGHTING 9     // LINK_LIGHT_
 
 // Storage.
-#define LINK_SLOT_POOL 0
-#define LINK_SLOT_TILE_SUMS 1  // blocks that tiles need, level by level
-#define LINK_SLOT_GROUPS 2     // of the indirect dispatch that lights the dynamic blocks
+#define LINK_SLOT_POOL 1
+#define LINK_SLOT_TILE_SUMS 2  // blocks that tiles need, level by level
+#define LINK_SLOT_GROUPS 3     // of the indirect dispatch that lights the dynamic blocks
 // Sampled.
 #define LINK_SLOT_LEADERS 1
 

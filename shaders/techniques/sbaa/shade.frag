@@ -46,8 +46,7 @@ void main() {
     uint word = stored_surface(texel, k);
     // A loop, so that groups of pixels that have no such surface skip the lighting.
     for (bool stored = word != 0u; stored; stored = false) {
-      uvec4 words = texelFetch(gbuffer, ivec3(pixel, k), 0);
-      Surface surface = surface_of_stored(narrow_samples() ? words_of_halves(words) : words);
+      Surface surface = surface_of_stored(texelFetch(gbuffer, ivec3(pixel, k), 0));
       surface.position = surface_position(pixel, word);
       vec3 value = resolvable(shade(surface, normalize(frame.eye.xyz - surface.position)));
       sum += value * float(surface_samples(word));

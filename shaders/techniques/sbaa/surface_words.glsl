@@ -10,8 +10,4 @@ uint surface_samples(uint word) { return word >> 8; }
 // Surface k of a pixel's texel, two surfaces in a component.
 uint stored_surface(uvec4 texel, uint k) { return texel[k / 2u] >> 16u * (k & 1u) & 0xffffu; }
 
-// Two words as four components of 16 bits, which storage images of every device have; two of 32 they need not.
-uvec4 halves_of_words(uvec4 words) { return uvec4(words.x & 0xffffu, words.x >> 16, words.y & 0xffffu, words.y >> 16); }
-uvec4 words_of_halves(uvec4 halves) { return uvec4(halves.x | halves.y << 16, halves.z | halves.w << 16, 0u, 0u); }
-
 #endif

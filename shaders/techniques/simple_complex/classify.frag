@@ -5,7 +5,7 @@
 // Tells the pixels whose samples agree from those that need shading per sample.
 // Reads: visibility, G-buffer of full samples, triangle records.
 // Writes: 1 for a complex pixel, else 0.
-#include "include/packing.glsl"
+#include "deferred/stored_sample.glsl"
 #include "include/visibility.glsl"
 #include "frontend/buffers.glsl"
 #include "techniques/simple_complex/simple_complex_interface.h"
@@ -23,7 +23,7 @@ vec4 quad_depths(uint quad) { return uintBitsToFloat(visible_depths(ivec2(gl_Fra
 ClassifiedSurface sample_surface(uint s) {
   uint triangle = quad_triangles(s / 4u)[s & 3u];
   uint material = push.records.record[triangle].v2_ref.w >> RECORD_MATERIAL_SHIFT;
-  return ClassifiedSurface(unpack_normal(texelFetch(gbuffer, ivec3(gl_FragCoord.xy, s), 0).y), material);
+  return ClassifiedSurface(unpack_normal(normal_of_stored(texelFetch(gbuffer, ivec3(gl_FragCoord.xy, s), 0))), material);
 }
 
 vec2 triangle_slopes(uint triangle) { return uintBitsToFloat(push.records.record[triangle].depth.yz); }
