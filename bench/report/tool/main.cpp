@@ -6,9 +6,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <tuple>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/failure.hpp"
@@ -23,6 +27,7 @@ struct Arguments {
   PlanOptions plan;
   std::string size;
   std::filesystem::path folder, out;
+  std::vector<RunKind> kinds;  // only these are measured; empty: all
   bool only_write = false, fresh = false, only_counts = false, only_times = false;
 };
 
@@ -49,7 +54,11 @@ void run(Arguments arguments) {
     MeasureOptions options{arguments.folder, root, arguments.fresh, std::nullopt,
                            [](const std::string& line) { fmt::print(stderr, "{}\n", line); }};
     if (arguments.only_counts || arguments.only_times) options.timed = arguments.only_times;
-    measure(plan, options);
+    std::vector<RunPlan> chosen;
+    std::ranges::copy_if(plan, std::back_inserter(chosen), [&](const RunPlan& of) {
+      return arguments.kinds.empty() || std::ranges::find(arguments.kinds, of.kind) != arguments.kinds.end();
+    });
+    measure(chosen, options);
   }
   const Measured measured = read_measured(plan, arguments.folder);
   if (measured.runs.empty()) throw InputError("report", "nothing is stored", arguments.folder.string());
@@ -69,6 +78,13 @@ int main(int argc, char** argv) {
   CLI::Option* const counts = app.add_flag("--only-counts", arguments.only_counts,
                                            "Only the runs whose times nobody reads: the machine may be busy");
   app.add_flag("--only-times", arguments.only_times, "Only the others")->excludes(counts);
+  const std::map<std::string, report::RunKind> kinds{{"sweep", report::RunKind::sweep},
+                                                     {"paper", report::RunKind::paper},
+                                                     {"lights", report::RunKind::lights},
+                                                     {"frames", report::RunKind::frames}};
+  app.add_option("--kinds", arguments.kinds, "Only these runs are measured: sweep,paper,lights,frames")
+      ->delimiter(',')
+      ->transform(CLI::CheckedTransformer(kinds));
   app.add_flag("--fresh", arguments.fresh, "Measure stored runs again");
   app.add_option("--scenes", arguments.plan.scenes, "Only these: a,b")->delimiter(',');
   app.add_option("--size", arguments.size, "WIDTHxHEIGHT of the sweeps");
