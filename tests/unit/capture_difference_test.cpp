@@ -322,6 +322,31 @@ TEST_F(CaptureVerbs, Trim) {
   run("trim missing.spcap u.spcap --frames 0", 3);
   run("trim a.spcap missing/u.spcap --frames 0", 3);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "u.spcap"));
+  // Nothing is left out but the file's own words for it.
+  EXPECT_EQ(trimmed.out.find("no smaller"), std::string::npos);
+  EXPECT_NE(run("trim t.spcap same.spcap --frames 0", 0).out.find("no smaller than before: "), std::string::npos);
+}
+
+// Of a file of strips, through the program: it reads them as they are.
+TEST_F(CaptureVerbs, TrimOfStrips) {
+  Capture strips = version_2_capture();
+  std::vector<std::uint16_t> indices;
+  for (std::uint32_t i = 0, random = 1; i < 5000; ++i, random = random * 1664525u + 1013904223u) {
+    indices.push_back(static_cast<std::uint16_t>((random >> 16) % 4));
+  }
+  indices[2500] = 0xffff;
+  Draw& draw = strips.frames[0].draws[0];
+  draw.index_buffer = static_cast<std::uint32_t>(strips.buffers.size());
+  draw.index_offset = 0;
+  draw.index_count = 5000;
+  draw.topology = Topology::triangle_strip;
+  draw.restart = true;
+  strips.buffers.push_back({"strip", bytes_of(indices)});
+  write_capture(strips, folder_ / "strips.spcap");
+  const tests::Finished trimmed = run("trim strips.spcap t.spcap --draws indexed", 0);
+  EXPECT_LT(std::filesystem::file_size(folder_ / "t.spcap"), std::filesystem::file_size(folder_ / "strips.spcap"));
+  EXPECT_NE(trimmed.out.find(" 9990 triangles"), std::string::npos) << trimmed.out;  // 2498 + 2497, of two instances
+  EXPECT_TRUE(json::parse(run("diff strips.spcap t.spcap --json", 1).out)["frames"][0]["changed"].empty());
 }
 
 TEST_F(CaptureVerbs, InfoOfDraws) {
