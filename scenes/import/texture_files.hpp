@@ -62,6 +62,9 @@ class TextureFiles {
   std::map<Way, std::uint32_t> numbers_;
 };
 
+// That a material's texture is left out since its file is not there.
+std::string absent_texture_notice(const std::string& name, const std::string& material);
+
 // `name` without folders, in UTF-8.
 std::string short_file_name(const std::string& name);
 
