@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "capture_format/capture.hpp"
@@ -44,13 +45,7 @@ class TextureFiles {
 
  private:
   enum class Use { colour, numbers, with_alpha, surface };
-  struct Way {
-    std::string first, second;
-    Use use;
-    char channel;
-    Wrap wrap_u, wrap_v;
-    auto operator<=>(const Way&) const = default;
-  };
+  using Way = std::tuple<std::string, std::string, Use, char, Wrap, Wrap>;  // files, use, alpha's channel, u, v
 
   // The number for a way of use, and whether the texture is yet to be appended.
   std::pair<std::uint32_t, bool> number_of(Way way);
