@@ -378,8 +378,7 @@ void IndexChecker::check(const Draw& draw,
   const Key key{draw.index_buffer, draw.index_type, draw.index_offset, draw.index_count, draw.restart};
   auto found = ranges_.find(key);
   if (found == ranges_.end()) {
-    indices_read_ += draw.index_count;
-    if (indices_read_ > kMaxIndicesChecked) {
+    if (draw.index_count > kMaxIndicesChecked - indices_read_) {
       report("index_count",
              "the draws' different index ranges hold more than " + std::to_string(kMaxIndicesChecked) + " indices");
       return;
@@ -392,6 +391,7 @@ void IndexChecker::check(const Draw& draw,
         : draw.index_type == IndexType::uint16 ? index_bounds<std::uint16_t>(from, draw.index_count, cut)
                                                : index_bounds<std::uint32_t>(from, draw.index_count, cut);
     found = ranges_.emplace(key, Range{lowest, highest}).first;
+    indices_read_ += draw.index_count;
   }
   if (found->second.lowest > found->second.highest) return;  // nothing but restarts
   const std::int64_t lowest = std::int64_t{found->second.lowest} + draw.base_vertex;

@@ -22,9 +22,11 @@ std::uint32_t Recorder::add_buffer(std::string name, std::span<const std::byte> 
   Buffer buffer{std::move(name), {bytes.begin(), bytes.end()}};
   check_buffer(buffer, refuse_to_record("buffer"));
   const auto number = static_cast<std::uint32_t>(capture_.buffers.size());
+  make_room(buffer_bytes_);
+  make_room(capture_.buffers);
+  buffers_.emplace(hash, number);  // the last that may throw
   buffer_bytes_.push_back(buffer.bytes.size());
   capture_.buffers.push_back(std::move(buffer));
-  buffers_.emplace(hash, number);
   return number;
 }
 
@@ -34,8 +36,9 @@ std::uint32_t Recorder::add_texture(Texture texture) {
   if (const auto found = textures_.find(key); found != textures_.end()) return found->second;
   require_of_caller(capture_.textures.size() < kMaxTextures, "can't record the texture", "there are too many");
   const auto number = static_cast<std::uint32_t>(capture_.textures.size());
+  make_room(capture_.textures);
+  textures_.emplace(key, number);  // the last that may throw
   capture_.textures.push_back(std::move(texture));
-  textures_.emplace(key, number);
   return number;
 }
 
@@ -64,8 +67,9 @@ void Recorder::draw(Draw draw) {
 
 void Recorder::end_frame() {
   require_of_caller(frame_.has_value(), "can't end the frame", "none has begun");
-  check_draw_list(*frame_, refuse_to_record("frame"));
-  capture_.frames.push_back(*std::exchange(frame_, std::nullopt));
+  Frame frame = *std::exchange(frame_, std::nullopt);
+  check_draw_list(frame, refuse_to_record("frame"));
+  capture_.frames.push_back(std::move(frame));
 }
 
 Capture Recorder::take() {

@@ -17,8 +17,9 @@ namespace subpixel::capture {
 
 // Order of calls: resources may be added at any time, but before the draw that refers to them; draw() only between
 // begin_frame() and end_frame(). Everything is copied, so the caller's memory is free after each call. What is wrong is
-// refused at the call that brings it, with UsageError naming the field; the recorder stays usable then. Not for
-// several threads at once.
+// refused at the call that brings it, with UsageError naming the field, and std::bad_alloc says that memory ran out;
+// either way nothing was added, and the recorder stays usable. Only a frame that end_frame() throws on is gone, with
+// its draws; what was added for it keeps its numbers. Not for several threads at once.
 class Recorder {
  public:
   explicit Recorder(Metadata metadata);
@@ -39,6 +40,7 @@ class Recorder {
   // Adds a draw call to the frame begun.
   void draw(Draw draw);
 
+  // Whether or not it throws, no frame is begun then, and the next one may be.
   void end_frame();
 
   // The frames ended so far with all resources.

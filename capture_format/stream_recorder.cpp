@@ -8,9 +8,9 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstring>
-#include <deque>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -34,11 +34,21 @@ const RecordWriter kRecords(3);
 
 }  // namespace
 
+struct StreamRecorder::Chunk {
+  ChunkType type;
+  std::uint32_t id;
+  std::vector<std::byte> payload;
+};
+
 // Takes chunks and writes them in their order.
 class StreamRecorder::Writer {
  public:
   Writer(const std::filesystem::path& path, const StreamOptions& options)
-      : options_(options), path_(path), descriptor_(opened(path_)) {
+      : no_memory_(std::make_exception_ptr(
+            InputError("can't write the recording", "there is no memory left to compress it", path.string()))),
+        options_(options),
+        path_(path),
+        descriptor_(opened(path_)) {
     thread_ = std::thread([this] { run(); });
   }
 
@@ -49,18 +59,21 @@ class StreamRecorder::Writer {
 
   const std::filesystem::path& path() const { return path_; }
 
-  void add(ChunkType type, std::uint32_t id, std::vector<std::byte> payload) {
+  // All of them or, when it throws, none.
+  void add(std::list<Chunk> chunks) {
+    std::uint64_t bytes = 0;
+    for (const Chunk& chunk : chunks) bytes += chunk.payload.size();
     std::unique_lock lock(mutex_);
     require_no_error();
-    if (payload.size() > options_.most_bytes - total_bytes_) {
+    if (bytes > options_.most_bytes - total_bytes_) {
       throw UsageError("can't record more", "the recording passes " + std::to_string(options_.most_bytes) + " bytes",
                        path_.string());
     }
-    has_room_.wait(lock, [&] { return queued_bytes_ == 0 || queued_bytes_ + payload.size() <= options_.queued_bytes; });
+    has_room_.wait(lock, [&] { return queued_bytes_ == 0 || queued_bytes_ + bytes <= options_.queued_bytes; });
     require_no_error();
-    total_bytes_ += payload.size();
-    queued_bytes_ += payload.size();
-    queue_.push_back({type, id, std::move(payload)});
+    total_bytes_ += bytes;
+    queued_bytes_ += bytes;
+    queue_.splice(queue_.end(), chunks);
     has_work_.notify_one();
   }
 
@@ -96,12 +109,6 @@ class StreamRecorder::Writer {
   }
 
  private:
-  struct Chunk {
-    ChunkType type;
-    std::uint32_t id;
-    std::vector<std::byte> payload;
-  };
-
   // A new file of that name, or with a number in it where there is one from before.
   static int opened(std::filesystem::path& path) {
     const std::filesystem::path wanted = path;
@@ -157,13 +164,19 @@ class StreamRecorder::Writer {
       }
       lock.unlock();
       chunks.finish();
+    } catch (const std::bad_alloc&) {
+      end_with(no_memory_);
     } catch (...) {
-      const std::lock_guard lock(mutex_);
-      error_ = std::current_exception();
-      queue_.clear();
-      queued_bytes_ = 0;
-      has_room_.notify_all();
+      end_with(std::current_exception());
     }
+  }
+
+  void end_with(const std::exception_ptr& error) {
+    const std::lock_guard lock(mutex_);
+    error_ = error;
+    queue_.clear();
+    queued_bytes_ = 0;
+    has_room_.notify_all();
   }
 
   void stop() {
@@ -175,13 +188,14 @@ class StreamRecorder::Writer {
     if (thread_.joinable()) thread_.join();
   }
 
+  const std::exception_ptr no_memory_;  // made while there is some
   StreamOptions options_;
   std::filesystem::path path_;
   int descriptor_;
   std::thread thread_;
   std::mutex mutex_;
   std::condition_variable has_work_, has_room_;
-  std::deque<Chunk> queue_;
+  std::list<Chunk> queue_;
   std::uint64_t queued_bytes_ = 0, total_bytes_ = 0;
   std::vector<std::uint64_t> data_offsets_;
   std::exception_ptr error_;
@@ -194,22 +208,24 @@ StreamRecorder::StreamRecorder(const Metadata& metadata, const std::filesystem::
   check_metadata(metadata, refuse_to_record("metadata"));
   writer_ = std::make_unique<Writer>(path, options);
   part_path_ = writer_->path();
-  writer_->add(ChunkType::metadata, 0, kRecords.metadata(metadata));
+  std::list<Chunk> chunks;
+  chunks.push_back({ChunkType::metadata, 0, kRecords.metadata(metadata)});
+  writer_->add(std::move(chunks));
 }
 
 StreamRecorder::~StreamRecorder() = default;
 
-std::uint32_t StreamRecorder::add_data(const std::string& hash, std::span<const std::byte> bytes) {
-  const auto [found, is_new] = data_.try_emplace(hash, static_cast<std::uint32_t>(data_.size()));
-  if (is_new) {
-    try {
-      writer_->add(ChunkType::data, found->second, {bytes.begin(), bytes.end()});
-    } catch (...) {
-      data_.erase(found);
-      throw;
-    }
-  }
-  return found->second;
+// What a call will write and keep in mind is made ready first, then the chunks are queued, and from there on nothing
+// throws: numbers are those of what is written, and a DATA chunk never comes without what refers to it.
+
+// The number of these bytes' chunk, which is added to `chunks` and `fresh` when there is none yet.
+std::uint32_t StreamRecorder::data_number(const std::string& hash, std::span<const std::byte> bytes,
+                                          std::list<Chunk>& chunks, Numbers& fresh) const {
+  if (const auto found = data_.find(hash); found != data_.end()) return found->second;
+  const auto number = static_cast<std::uint32_t>(data_.size());
+  chunks.push_back({ChunkType::data, number, {bytes.begin(), bytes.end()}});
+  fresh.emplace(hash, number);
+  return number;
 }
 
 std::uint32_t StreamRecorder::add_buffer(const std::string& name, std::span<const std::byte> bytes) {
@@ -219,12 +235,20 @@ std::uint32_t StreamRecorder::add_buffer(const std::string& name, std::span<cons
   const Buffer buffer{name, {}};
   check_buffer(buffer, refuse_to_record("buffer"));
   const auto number = static_cast<std::uint32_t>(buffer_bytes_.size());
-  const std::uint32_t data = add_data(hash, bytes);
-  writer_->add(ChunkType::buffer, number, kRecords.buffer(buffer, data));
+  std::list<Chunk> chunks;
+  Numbers fresh_data, fresh_buffer{{hash, number}};
+  const std::uint32_t data = data_number(hash, bytes, chunks, fresh_data);
+  chunks.push_back({ChunkType::buffer, number, kRecords.buffer(buffer, data)});
+  std::map<std::uint32_t, std::vector<std::byte>> kept;
+  kept.emplace(number, std::vector<std::byte>(bytes.begin(), bytes.end()));
+  make_room(buffer_bytes_);
+  make_room(buffer_data_);
+  writer_->add(std::move(chunks));
+  data_.merge(fresh_data);
+  buffers_.merge(fresh_buffer);
   buffer_bytes_.push_back(bytes.size());
   buffer_data_.push_back(data);
-  buffers_.emplace(hash, number);
-  keep(number, {bytes.begin(), bytes.end()});
+  keep(std::move(kept));
   return number;
 }
 
@@ -233,9 +257,13 @@ std::uint32_t StreamRecorder::add_texture(const Texture& texture) {
   const std::string key = texture_key(texture);
   if (const auto found = textures_.find(key); found != textures_.end()) return found->second;
   require_of_caller(texture_count_ < kMaxTextures, "can't record the texture", "there are too many");
-  const std::uint32_t data = add_data(content_hash_hex(texture.bytes), texture.bytes);
-  writer_->add(ChunkType::texture, texture_count_, kRecords.texture(texture, data));
-  textures_.emplace(key, texture_count_);
+  std::list<Chunk> chunks;
+  Numbers fresh_data, fresh_texture{{key, texture_count_}};
+  const std::uint32_t data = data_number(content_hash_hex(texture.bytes), texture.bytes, chunks, fresh_data);
+  chunks.push_back({ChunkType::texture, texture_count_, kRecords.texture(texture, data)});
+  writer_->add(std::move(chunks));
+  data_.merge(fresh_data);
+  textures_.merge(fresh_texture);
   return texture_count_++;
 }
 
@@ -266,24 +294,39 @@ void StreamRecorder::draw(Draw draw) {
 
 void StreamRecorder::end_frame() {
   require_of_caller(frame_.has_value(), "can't end the frame", "none has begun");
-  check_draw_list(*frame_, refuse_to_record("frame"));
-  flush_materials();
-  writer_->add(ChunkType::frame, frame_count_, kRecords.frame(*frame_));
+  const Frame frame = *std::exchange(frame_, std::nullopt);
+  check_draw_list(frame, refuse_to_record("frame"));
+  std::list<Chunk> chunks = materials_to_write();
+  const std::size_t material_chunks = chunks.size();
+  chunks.push_back({ChunkType::frame, frame_count_, kRecords.frame(frame)});
+  writer_->add(std::move(chunks));
+  forget_written_materials(material_chunks);
   ++frame_count_;
-  frame_.reset();
 }
 
-void StreamRecorder::flush_materials() {
-  // Every file has one such chunk at least.
-  if (new_materials_.empty() && material_chunks_ > 0) return;
-  writer_->add(ChunkType::material, material_chunks_, kRecords.materials(new_materials_));
+// Those that came since the last frame. Every file has one such chunk at least.
+std::list<StreamRecorder::Chunk> StreamRecorder::materials_to_write() const {
+  std::list<Chunk> chunks;
+  if (!new_materials_.empty() || material_chunks_ == 0) {
+    chunks.push_back({ChunkType::material, material_chunks_, kRecords.materials(new_materials_)});
+  }
+  return chunks;
+}
+
+void StreamRecorder::forget_written_materials(std::size_t chunks) {
+  if (chunks == 0) return;
   ++material_chunks_;
   new_materials_.clear();
 }
 
 void StreamRecorder::finish() {
   require_of_caller(!frame_, "can't finish the recording", "a frame has not ended");
-  flush_materials();
+  try {
+    writer_->add(materials_to_write());
+  } catch (const UsageError&) {  // no frame draws with them
+    new_materials_.clear();
+    writer_->add(materials_to_write());
+  }
   writer_->finish();
   if (std::rename(part_path_.c_str(), path_.c_str()) != 0) fail(path_, errno);
   const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : std::filesystem::path(".");
@@ -292,14 +335,17 @@ void StreamRecorder::finish() {
 
 std::span<const std::byte> StreamRecorder::bytes_of(std::uint32_t buffer) {
   if (const auto found = kept_.find(buffer); found != kept_.end()) return found->second;
-  keep(buffer, writer_->read_back(buffer_data_[buffer]));
+  std::map<std::uint32_t, std::vector<std::byte>> read;
+  read.emplace(buffer, writer_->read_back(buffer_data_[buffer]));
+  keep(std::move(read));
   return kept_.at(buffer);
 }
 
-void StreamRecorder::keep(std::uint32_t buffer, std::vector<std::byte> bytes) {
-  // The oldest leave first, but never the one that is asked for.
-  kept_total_ += bytes.size();
-  kept_[buffer] = std::move(bytes);
+// Takes one more. The oldest leave first, but never the one that came.
+void StreamRecorder::keep(std::map<std::uint32_t, std::vector<std::byte>> one) {
+  const std::uint32_t buffer = one.begin()->first;
+  kept_total_ += one.begin()->second.size();
+  kept_.merge(one);
   while (kept_total_ > options_.kept_bytes && kept_.size() > 1) {
     auto oldest = kept_.begin();
     if (oldest->first == buffer) ++oldest;

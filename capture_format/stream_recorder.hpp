@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -30,8 +31,10 @@ struct StreamOptions {
 // written over: the new one is then called PATH.2.part, and so on.
 //
 // Order of calls: as of Recorder. What is wrong is refused at the call that brings it, with UsageError naming the
-// field; the recorder stays usable then. When the file can't be written (a full disk), the next call throws InputError,
-// and so do all after it. Not for several threads at once.
+// field, and std::bad_alloc says that memory ran out; either way nothing was added, and the recorder stays usable. Only
+// a frame that end_frame() throws on is gone, with its draws; buffers, textures and materials keep their numbers. When
+// the file can't be written (a full disk), the next call throws InputError, and so do all after it. Not for several
+// threads at once.
 class StreamRecorder {
  public:
   StreamRecorder(const Metadata& metadata, const std::filesystem::path& path, const StreamOptions& options = {});
@@ -52,9 +55,12 @@ class StreamRecorder {
   // Starts a frame with the given size, matrices, lights and time; its draws must be empty.
   void begin_frame(Frame frame);
   void draw(Draw draw);
+
+  // Whether or not it throws, no frame is begun then, and the next one may be.
   void end_frame();
 
-  // Writes what is left, and gives the file its name. Nothing may be called after it.
+  // Writes what is left, and gives the file its name. Nothing may be called after it. Materials that no frame draws
+  // with and for which there is no room any more are left out.
   void finish();
 
   // Where the frames are until then.
@@ -62,16 +68,20 @@ class StreamRecorder {
 
  private:
   class Writer;  // the thread
+  struct Chunk;
+  using Numbers = std::map<std::string, std::uint32_t>;  // by content hash
 
-  std::uint32_t add_data(const std::string& hash, std::span<const std::byte> bytes);
-  void flush_materials();
+  std::uint32_t data_number(const std::string& hash, std::span<const std::byte> bytes, std::list<Chunk>& chunks,
+                            Numbers& fresh) const;
+  std::list<Chunk> materials_to_write() const;
+  void forget_written_materials(std::size_t chunks);
   std::span<const std::byte> bytes_of(std::uint32_t buffer);
-  void keep(std::uint32_t buffer, std::vector<std::byte> bytes);
+  void keep(std::map<std::uint32_t, std::vector<std::byte>> one);
 
   StreamOptions options_;
   std::filesystem::path path_, part_path_;
   std::unique_ptr<Writer> writer_;
-  std::map<std::string, std::uint32_t> data_, buffers_, textures_;  // by content hash
+  Numbers data_, buffers_, textures_;
   std::vector<std::uint64_t> buffer_bytes_;
   std::vector<std::uint32_t> buffer_data_;                // which DATA chunk
   std::map<std::uint32_t, std::vector<std::byte>> kept_;  // bytes of the newest buffers

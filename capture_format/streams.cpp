@@ -145,6 +145,12 @@ std::vector<std::uint32_t> stored_indices(const Capture& capture, const Draw& dr
   return indices;
 }
 
+std::vector<std::uint32_t> with_base(std::vector<std::uint32_t> indices, const Draw& draw) {
+  const auto base = static_cast<std::uint32_t>(draw.base_vertex);  // wraps to the right sum for negative bases
+  for (std::uint32_t& index : indices) index += base;
+  return indices;
+}
+
 // The draw's triangles, three indices each, base_vertex not added.
 std::vector<std::uint32_t> listed_indices(const Capture& capture, const Draw& draw) {
   std::vector<std::uint32_t> indices = stored_indices(capture, draw);
@@ -252,10 +258,13 @@ std::vector<float> decode_stream(const Capture& capture, const VertexStream& str
 }
 
 std::vector<std::uint32_t> decode_indices(const Capture& capture, const Draw& draw) {
-  std::vector<std::uint32_t> indices = listed_indices(capture, draw);
-  const auto base = static_cast<std::uint32_t>(draw.base_vertex);  // wraps to the right sum for negative bases
-  for (std::uint32_t& index : indices) index += base;
-  return indices;
+  return with_base(listed_indices(capture, draw), draw);
+}
+
+std::vector<std::uint32_t> named_vertices(const Capture& capture, const Draw& draw) {
+  std::vector<std::uint32_t> indices = stored_indices(capture, draw);
+  if (const auto cut = draw.restart ? restart_index(draw.index_type) : std::nullopt) std::erase(indices, *cut);
+  return with_base(std::move(indices), draw);
 }
 
 void make_triangle_lists(Capture& capture, std::uint64_t most_bytes) {

@@ -25,6 +25,10 @@ std::vector<float> decode_stream(const Capture& capture, const VertexStream& str
 // 2, the last two exchanged where i is odd, of a fan i + 1, i + 2, 0. Restarts begin anew.
 std::vector<std::uint32_t> decode_indices(const Capture& capture, const Draw& draw);
 
+// The vertices that the draw's indices name, whether or not they make triangles: all but restarts, base_vertex added,
+// in their order. Of a list the same as decode_indices().
+std::vector<std::uint32_t> named_vertices(const Capture& capture, const Draw& draw);
+
 // Turns every strip and fan into a list of the same triangles, whose indices are in one more buffer; nothing else is
 // changed. Throws InputError when that takes more than `most_bytes` or passes a limit.
 void make_triangle_lists(Capture& capture, std::uint64_t most_bytes);

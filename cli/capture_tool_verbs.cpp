@@ -11,7 +11,9 @@
 #include "base/error.hpp"
 #include "base/json_text.hpp"
 #include "base/printable.hpp"
+#include "capture_format/limits.hpp"
 #include "capture_format/reading/capture_file.hpp"
+#include "capture_format/streams.hpp"
 #include "capture_format/tools/difference.hpp"
 #include "capture_format/tools/trim.hpp"
 #include "capture_format/writer.hpp"
@@ -47,18 +49,25 @@ int trim(const TrimArguments& arguments) {
   if (!arguments.frames.empty()) options.frames = frames;
   if (!arguments.keep.empty()) options.keep = arguments.keep;
   if (!arguments.drop.empty()) options.drop = arguments.drop;
-  const capture::Capture trimmed = capture::trim(file.load(frames.first, frames.second), options);
+  capture::Capture trimmed =
+      capture::trim(file.load(frames.first, frames.second, capture::CaptureFile::Triangles::as_stored), options);
   const std::uint64_t bytes_before = std::filesystem::file_size(arguments.in);
   capture::write_capture(trimmed, arguments.out);
+  capture::make_triangle_lists(trimmed, capture::ReadLimits{}.decoded_bytes);  // to count what is drawn
   fmt::print("{}: {}\n{}; before: {} frames, {:.1f} MB\n", printable(arguments.out),
              written_summary(trimmed, arguments.out), printable(trimmed.metadata.notices.back()), file.frame_count(),
              static_cast<double>(bytes_before) * 1e-6);
+  if (!std::filesystem::is_regular_file(arguments.out)) return 0;
+  const std::uint64_t bytes_after = std::filesystem::file_size(arguments.out);
+  if (bytes_after >= bytes_before) {
+    fmt::print("no smaller than before: {} bytes, {} before\n", bytes_after, bytes_before);
+  }
   return 0;
 }
 
 void add_trim(CLI::App& app, std::function<int()>& action) {
   const auto arguments = std::make_shared<TrimArguments>();
-  CLI::App* const verb = app.add_subcommand("trim", "Write some frames and draws of a capture as a smaller one");
+  CLI::App* const verb = app.add_subcommand("trim", "Write some frames and draws of a capture as one of its own");
   verb->add_option("in", arguments->in, "Capture")->required();
   verb->add_option("out", arguments->out, "Capture to write")->required();
   verb->add_option("--frames", arguments->frames, "FIRST-LAST or one frame; default: all");

@@ -122,7 +122,7 @@ subpixel_status guarded(Work&& work) noexcept {
   }
 }
 
-// The same of a call on a recorder. What left it in doubt is the end of it: a part of the work may be done.
+// The same of a call on a recorder. A file that can't be written and a mistake of ours are the end of it.
 template <typename Work>
 subpixel_status guarded(subpixel_recorder* recorder, Work&& work) noexcept {
   if (recorder != nullptr && recorder->lasting_status != SUBPIXEL_OK) {
@@ -133,7 +133,7 @@ subpixel_status guarded(subpixel_recorder* recorder, Work&& work) noexcept {
     if (recorder->finished) throw OrderError("can't record", "the recording is finished", recorder->part_path);
     work();
   });
-  if (recorder != nullptr && status != SUBPIXEL_OK && status != SUBPIXEL_BAD_ARGUMENT && status != SUBPIXEL_BAD_ORDER) {
+  if (recorder != nullptr && (status == SUBPIXEL_CANT_WRITE || status == SUBPIXEL_FAILED)) {
     recorder->lasting_status = status;
     try {
       recorder->lasting_error = last_error;
@@ -572,7 +572,7 @@ subpixel_status subpixel_recorder_draw(subpixel_recorder* recorder, const subpix
 subpixel_status subpixel_recorder_end_frame(subpixel_recorder* recorder) {
   return guarded(recorder, [&] {
     if (!recorder->in_frame) throw OrderError("can't end the frame", "none has begun", "");
-    recorder->stream.end_frame();
     recorder->in_frame = false;
+    recorder->stream.end_frame();
   });
 }

@@ -7,8 +7,9 @@
    threads at once; different recorders are.
 
    Errors. Each call returns a subpixel_status and never ends the process or throws. What is wrong is refused at the
-   call that brings it and changes nothing; subpixel_recorder_error() names the field. A null pointer where one is
-   needed, a number out of range and a wrong order of calls are such errors; memory that can't be read is not found out.
+   call that brings it and changes nothing, except that end_frame ends its frame; subpixel_recorder_error() names the
+   field. A null pointer where one is needed, a number out of range and a wrong order of calls are such errors; memory
+   that can't be read is not found out.
 
    Structures. Each begins with struct_size, which tells the library which version of it the caller was compiled with:
    have the structure's init function set it with all defaults, then fill in. Arrays, matrices and colours are held in
@@ -50,7 +51,7 @@ typedef enum subpixel_status {
   SUBPIXEL_BAD_ARGUMENT = 1, /* refused: the recorder goes on as if the call had not been made */
   SUBPIXEL_BAD_ORDER = 2,    /* the same, for a call that is not due */
   SUBPIXEL_CANT_WRITE = 3,   /* of the file, a full disk say: all later calls fail, what was written stays */
-  SUBPIXEL_NO_MEMORY = 4,    /* the recorder goes on */
+  SUBPIXEL_NO_MEMORY = 4,    /* for this call: the recorder goes on as if it had not been made */
   SUBPIXEL_FAILED = 5        /* a mistake of Subpixel's own, please report it */
 } subpixel_status;
 
@@ -307,8 +308,9 @@ subpixel_status subpixel_draw_init(subpixel_draw* draw, size_t struct_size);
 subpixel_status subpixel_recorder_draw(subpixel_recorder* recorder, const subpixel_draw* draw);
 
 /* Ends the frame and hands it to the writing thread. One that a capture can't hold, for its triangles or because it
-   passes most_bytes, is SUBPIXEL_BAD_ARGUMENT and stays begun: what can follow is destroy(), which leaves the frames
-   before it as the .part file. */
+   passes most_bytes, is SUBPIXEL_BAD_ARGUMENT: whatever the status, the frame has ended, and on errors it is gone with
+   its draws, while buffers, textures and materials keep their numbers. The next frame may begin, and finish() writes
+   those that were ended without an error. */
 subpixel_status subpixel_recorder_end_frame(subpixel_recorder* recorder);
 
 #ifdef __cplusplus

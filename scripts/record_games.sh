@@ -25,7 +25,8 @@ record() {
   echo "$name: $("$SUBPIXEL" info "$out/$name.spcap" | grep -E '^(draws|triangles) ' | tr -s ' \n' ' ')"
   printf '%s: per cent of the pixels: ' "$name"
   PYTHONPATH=$root/python PYTHONDONTWRITEBYTECODE=1 LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a "$python" \
-    -m subpixel_renderdoc.depth "$out/$name/frame_0.rdc" "$out/$name.spcap" 0 "$SUBPIXEL" "$out/$name.depth"
+    -m subpixel_renderdoc.depth "$out/$name/frame_0.rdc" "$out/$name.spcap" 0 "$SUBPIXEL" "$out/$name.depth" ||
+    echo "not compared"  # the other games are recorded all the same
 }
 
 for game in "${games[@]}"; do

@@ -6,6 +6,12 @@ import {bytes, count, when} from './format.js';
 import {runForm} from './run_form.js';
 import {runsTable} from './runs_page.js';
 
+// What whoever recorded, imported, cut or read the capture left out or approximated.
+function noticeList(notices) {
+  if (notices.length === 0) return [];
+  return [h('h2', {}, 'Notices'), h('ul.notices', {}, notices.map((notice) => h('li', {}, notice)))];
+}
+
 export async function capturePage(hash) {
   const [capture, registry, limitTable, {runs}] = await Promise.all([
     get(`/api/captures/${hash}`), techniques(), limits(), get(`/api/runs?capture=${hash}&limit=50`),
@@ -46,6 +52,7 @@ export async function capturePage(hash) {
         featureTags(capture.features), tagForm,
         h('p.actions', {}, h('a.button', {href: `/api/captures/${hash}/file`, download: capture.name}, 'Download'), deletion),
         problem)),
+    noticeList(capture.summary.notices ?? []),
     h('h2', {}, 'New run'),
     capture.frame_count > 0 ? runForm(capture, registry, limitTable) : h('p', {}, 'This capture has no frames.'),
     h('h2', {}, 'Runs'),

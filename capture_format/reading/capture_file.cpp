@@ -140,7 +140,7 @@ Frame CaptureFile::frame(std::size_t number, std::size_t material_count) const {
   return frame;
 }
 
-Capture CaptureFile::load(std::size_t first, std::size_t last) const {
+Capture CaptureFile::load(std::size_t first, std::size_t last, Triangles triangles) const {
   try {
     Capture capture;
     capture.metadata = metadata_;
@@ -200,7 +200,7 @@ Capture CaptureFile::load(std::size_t first, std::size_t last) const {
         });
       }
     }
-    make_triangle_lists(capture, bytes_left);
+    if (triangles == Triangles::lists) make_triangle_lists(capture, bytes_left);
     return capture;
   } catch (const InputError& error) {
     throw InputError(name_, error.what(), "");

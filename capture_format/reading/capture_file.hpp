@@ -24,10 +24,14 @@ class CaptureFile {
   const Metadata& metadata() const { return metadata_; }
   std::size_t frame_count() const { return frames_.size(); }
 
+  // Strips and fans as the triangle lists that they stand for, which is what a replay draws, or as they are in the
+  // file, for what writes them again.
+  enum class Triangles { lists, as_stored };
+
   // Frames `first` to `last` (below frame_count()) with the buffers, textures and materials they use, in the order of
-  // the file and numbered anew, as triangle lists. The other frames are there by number but empty, except that frame 0
+  // the file and numbered anew. The other frames are there by number but empty, except that frame 0
   // always has its size, camera and lights. Throws InputError for what is wrong of all this.
-  Capture load(std::size_t first, std::size_t last) const;
+  Capture load(std::size_t first, std::size_t last, Triangles triangles = Triangles::lists) const;
 
   // All frames and materials, and buffers and textures without their bytes, of which `buffer_bytes` and `texture_bytes`
   // are the sizes.

@@ -22,7 +22,7 @@ bool is_finite(const Matrix4& matrix) {
 }
 
 // The determinant by the first column's cofactors, in doubles, of which the products of two elements are exact.
-bool is_singular(const Matrix4& matrix) {
+double determinant(const Matrix4& matrix) {
   const auto at = [&](std::size_t column, std::size_t row) { return double{matrix[4 * column + row]}; };
   // Of the last two columns.
   const auto minor = [&](std::size_t i, std::size_t j) { return at(2, i) * at(3, j) - at(3, i) * at(2, j); };
@@ -31,8 +31,19 @@ bool is_singular(const Matrix4& matrix) {
     return at(1, i) * minor(j, k) - at(1, j) * minor(i, k) + at(1, k) * minor(i, j);
   };
   return at(0, 0) * cofactor(1, 2, 3) - at(0, 1) * cofactor(0, 2, 3) + at(0, 2) * cofactor(0, 1, 3) -
-             at(0, 3) * cofactor(0, 1, 2) ==
-         0;
+         at(0, 3) * cofactor(0, 1, 2);
+}
+
+bool is_singular(const Matrix4& matrix) {
+  return determinant(matrix) == 0;
+}
+
+// Whether the frame shows the world as a mirror does, which makes back faces of front faces. A projection of a view
+// that looks down -z, whether perspective or parallel, has a positive determinant where depth goes from 1 to 0 and y is
+// up in clip space; depth or y the other way round changes its sign each.
+bool is_mirrored(const Frame& frame) {
+  const bool is_turned = (determinant(frame.view) < 0) != (determinant(frame.projection) < 0);
+  return is_turned == ((frame.clip_depth == ClipDepth::one_to_zero) == frame.clip_y_up);
 }
 
 class Validation {
@@ -93,8 +104,15 @@ class Validation {
     const std::string part = "frame " + std::to_string(number);
     check_frame(frame, errors_in(part));
     check_draw_list(frame, errors_in(part));
-    if (is_finite(frame.view) && is_singular(frame.view)) error(part + ", field view", "singular");
-    if (is_finite(frame.projection) && is_singular(frame.projection)) error(part + ", field projection", "singular");
+    const bool has_view = is_finite(frame.view) && !is_singular(frame.view);
+    const bool has_projection = is_finite(frame.projection) && !is_singular(frame.projection);
+    if (is_finite(frame.view) && !has_view) error(part + ", field view", "singular");
+    if (is_finite(frame.projection) && !has_projection) error(part + ", field projection", "singular");
+    if (has_view && has_projection && is_mirrored(frame)) {
+      note(part + ", field view",
+           "mirrors, with the projection: front faces are seen as back faces, which are not drawn "
+           "unless the material is two-sided");
+    }
     if (frame.draws.empty()) note(part, "no draw calls");
     for (std::size_t d = 0; d < frame.draws.size(); ++d) {
       const Draw& draw = frame.draws[d];

@@ -2,164 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <map>
+#include <cstdio>
 #include <optional>
-#include <span>
-#include <tuple>
-#include <unordered_map>
 #include <vector>
 
-#include "base/hash.hpp"
 #include "base/printable.hpp"
-#include "capture_format/streams.hpp"
+#include "capture_format/tools/draw_content.hpp"
+#include "capture_format/tools/draw_matching.hpp"
 #include "capture_format/tools/draw_streams.hpp"
 
 namespace subpixel::capture {
 namespace {
 
 using nlohmann::json;
-
-// 128 bits of XXH3: equal hashes are taken as equal content, as the writer does.
-using Hash = std::pair<std::uint64_t, std::uint64_t>;
-
-class Hasher {
- public:
-  template <typename T>
-  void add(const std::vector<T>& values) {
-    hasher_.add(std::as_bytes(std::span(values)));
-  }
-  template <typename T>
-  void add_value(const T& value) {
-    hasher_.add(std::as_bytes(std::span(&value, 1)));
-  }
-  // Of equal numbers, which -0 and 0 are.
-  void add_numbers(std::span<const float> values) {
-    for (const float value : values) add_value(value + 0.0f);
-  }
-  Hash hash() const {
-    const ContentHash hash = hasher_.hash();
-    return {hash.high, hash.low};
-  }
-
- private:
-  ContentHasher hasher_;
-};
-
-struct Mesh {
-  std::array<Hash, kStreamsOfDraw.size()> streams;  // of the values at the triangles' corners
-  std::array<bool, kStreamsOfDraw.size()> present;
-  std::uint64_t triangles = 0;
-  Hash all;
-};
-
-// What a capture's draws are by content. Everything is computed once, however many draws and frames share it.
-class Contents {
- public:
-  explicit Contents(const Capture& capture) : capture_(capture) {
-    for (const Texture& texture : capture.textures) {
-      Hasher hasher;
-      hasher.add(texture.bytes);
-      hasher.add_value(std::array{static_cast<std::uint32_t>(texture.encoding), std::uint32_t{texture.srgb},
-                                  texture.width, texture.height});
-      hasher.add_value(texture.sampler);
-      textures_.push_back(hasher.hash());
-    }
-    for (const Material& material : capture.materials) materials_.push_back(material_hash(material));
-  }
-
-  const Capture& capture() const { return capture_; }
-
-  const Mesh& mesh(const Draw& draw) {
-    MeshKey key{{}, draw.index_buffer, draw.index_type, draw.index_offset, draw.index_count, draw.base_vertex};
-    for (std::size_t i = 0; i < kStreamsOfDraw.size(); ++i) {
-      const VertexStream& stream = draw.*kStreamsOfDraw[i].member;
-      if (stream.buffer == kNone) {
-        std::get<0>(key)[i] = {kNone, VertexFormat{}, 0, 0};
-      } else {
-        std::get<0>(key)[i] = {stream.buffer, stream.format, stream.offset, stream.stride};
-      }
-    }
-    const auto [found, is_new] = meshes_.try_emplace(key);
-    if (is_new) found->second = read_mesh(draw);
-    return found->second;
-  }
-
-  const Hash& material(std::uint32_t number) const { return materials_[number]; }
-
-  // Nothing where the material has none.
-  std::optional<Hash> texture(std::uint32_t number) const {
-    return number == kNone ? std::nullopt : std::optional(textures_[number]);
-  }
-
-  Hash placement(const Draw& draw) const {
-    Hasher hasher;
-    hasher.add(world_transforms(capture_, draw));
-    return hasher.hash();
-  }
-
- private:
-  using StreamKey = std::tuple<std::uint32_t, VertexFormat, std::uint64_t, std::uint32_t>;
-  using MeshKey = std::tuple<std::array<StreamKey, kStreamsOfDraw.size()>, std::uint32_t, IndexType, std::uint64_t,
-                             std::uint32_t, std::int32_t>;
-
-  Mesh read_mesh(const Draw& draw) const {
-    Mesh mesh;
-    std::vector<std::uint32_t> corners = decode_indices(capture_, draw);
-    mesh.triangles = corners.size() / 3;
-    // Only what lies between the first and the last vertex that is read is decoded: large buffers hold many meshes.
-    std::uint32_t first = 0, count = 0;
-    if (!corners.empty()) {
-      const auto [lowest, highest] = std::minmax_element(corners.begin(), corners.end());
-      first = *lowest;
-      count = *highest - first + 1;
-    }
-    Hasher all;
-    for (std::size_t i = 0; i < kStreamsOfDraw.size(); ++i) {
-      VertexStream stream = draw.*kStreamsOfDraw[i].member;
-      mesh.present[i] = stream.buffer != kNone;
-      Hasher hasher;
-      hasher.add_value(mesh.present[i]);
-      if (mesh.present[i]) {
-        stream.offset += std::uint64_t{first} * stream.stride;
-        const std::uint32_t components = kStreamsOfDraw[i].components;
-        const std::vector<float> values = decode_stream(capture_, stream, count, components);
-        std::vector<float> in_order(corners.size() * components);
-        for (std::size_t c = 0; c < corners.size(); ++c) {
-          std::copy_n(&values[std::size_t{corners[c] - first} * components], components, &in_order[c * components]);
-        }
-        hasher.add(in_order);
-      }
-      mesh.streams[i] = hasher.hash();
-      all.add_value(mesh.streams[i]);
-    }
-    mesh.all = all.hash();
-    return mesh;
-  }
-
-  Hash material_hash(const Material& m) const {
-    Hasher hasher;
-    hasher.add_value(
-        std::array{static_cast<std::uint32_t>(m.alpha_mode), std::uint32_t{m.two_sided}, std::uint32_t{m.unlit}});
-    hasher.add_numbers(m.base_colour);
-    hasher.add_numbers(std::array{m.alpha_cutoff, m.metallic, m.roughness, m.normal_scale});
-    hasher.add_numbers(m.emissive);
-    for (const UvMapping* uv : {&m.base_colour_uv, &m.metallic_roughness_uv, &m.normal_uv, &m.emissive_uv}) {
-      hasher.add_value(uv->set);
-      hasher.add_numbers(uv->matrix);
-    }
-    for (const TextureOfMaterial& slot : kTexturesOfMaterial) {
-      const std::optional<Hash> content = texture(m.*slot.member);
-      hasher.add_value(content.has_value());
-      hasher.add_value(content.value_or(Hash{}));
-    }
-    return hasher.hash();
-  }
-
-  const Capture& capture_;
-  std::vector<Hash> textures_, materials_;
-  std::map<MeshKey, Mesh> meshes_;
-};
 
 // Collects {field, a, b} of what differs.
 class Fields {
@@ -211,7 +66,7 @@ json material_fields(const Material& a, const Material& b) {
   return fields.list;
 }
 
-json texture_fields(const Contents& in_a, const Material& a, const Contents& in_b, const Material& b) {
+json texture_fields(const DrawContents& in_a, const Material& a, const DrawContents& in_b, const Material& b) {
   const auto name = [](const Capture& capture, std::uint32_t texture) {
     return texture == kNone ? json(nullptr) : json(capture.textures[texture].name);
   };
@@ -248,102 +103,7 @@ json frame_fields(const Frame& a, const Frame& b) {
   return fields.list;
 }
 
-// A draw as it is matched.
-struct Drawn {
-  const Draw* draw;
-  const Mesh* mesh;
-  Hash material, placement;
-};
-
-std::vector<Drawn> drawn(Contents& contents, const Frame& frame) {
-  std::vector<Drawn> all;
-  all.reserve(frame.draws.size());
-  for (const Draw& draw : frame.draws) {
-    all.push_back({&draw, &contents.mesh(draw), contents.material(draw.material), contents.placement(draw)});
-  }
-  return all;
-}
-
-class Matching {
- public:
-  Matching(const std::vector<Drawn>& a, const std::vector<Drawn>& b)
-      : a_(a), b_(b), match_(a.size()), taken_(b.size(), false) {
-    const auto name = [](const Drawn& d) { return d.draw->name; };
-    pass([&](const Drawn& d) { return std::tuple(name(d), d.mesh->all, d.material, d.placement); });
-    follow();
-    pass([&](const Drawn& d) { return std::tuple(name(d), d.mesh->all, d.material); });
-    pass([&](const Drawn& d) { return std::tuple(name(d), d.mesh->all, d.placement); });
-    pass([&](const Drawn& d) { return std::tuple(name(d), d.material, d.placement); });
-    pass([&](const Drawn& d) { return std::tuple(name(d), d.mesh->all); });
-    pass(name);
-    pass([&](const Drawn& d) { return std::tuple(d.mesh->all, d.placement); });
-  }
-
-  const std::vector<std::optional<std::size_t>>& of_a() const { return match_; }
-  bool is_taken(std::size_t in_b) const { return taken_[in_b]; }
-
-  // Matched draws less those of the longest run that is in the same order in both.
-  std::size_t reordered() const {
-    std::vector<std::size_t> last;  // the smallest that a run of each length can end with
-    std::size_t matched = 0;
-    for (const std::optional<std::size_t>& in_b : match_) {
-      if (!in_b) continue;
-      ++matched;
-      const auto longer = std::lower_bound(last.begin(), last.end(), *in_b);
-      if (longer == last.end()) {
-        last.push_back(*in_b);
-      } else {
-        *longer = *in_b;
-      }
-    }
-    return matched - last.size();
-  }
-
- private:
-  // Matches draws that stand next to matched ones in both frames and are alike: of many draws of one name and mesh,
-  // content alone can't tell which of them moved.
-  void follow() {
-    const auto match_if_alike = [&](std::size_t i, std::size_t j) {
-      if (match_[i] || taken_[j] || a_[i].draw->name != b_[j].draw->name) return;
-      if (a_[i].mesh->all != b_[j].mesh->all && a_[i].material != b_[j].material &&
-          a_[i].placement != b_[j].placement) {
-        return;
-      }
-      match_[i] = j;
-      taken_[j] = true;
-    };
-    for (std::size_t i = 0; i < a_.size(); ++i) {
-      const std::size_t j = i == 0 ? 0 : match_[i - 1] ? *match_[i - 1] + 1 : b_.size();
-      if (j < b_.size()) match_if_alike(i, j);
-    }
-    for (std::size_t i = a_.size(); i-- > 0;) {
-      const std::size_t after = i + 1 == a_.size() ? b_.size() : match_[i + 1].value_or(0);
-      if (after > 0) match_if_alike(i, after - 1);
-    }
-  }
-
-  // Matches what has the same key, the first with the first.
-  template <typename KeyOf>
-  void pass(KeyOf key_of) {
-    std::map<decltype(key_of(a_[0])), std::pair<std::vector<std::size_t>, std::size_t>> left;
-    for (std::size_t i = 0; i < b_.size(); ++i) {
-      if (!taken_[i]) left[key_of(b_[i])].first.push_back(i);
-    }
-    for (std::size_t i = 0; i < a_.size() && !left.empty(); ++i) {
-      if (match_[i]) continue;
-      const auto found = left.find(key_of(a_[i]));
-      if (found == left.end() || found->second.second == found->second.first.size()) continue;
-      match_[i] = found->second.first[found->second.second++];
-      taken_[*match_[i]] = true;
-    }
-  }
-
-  const std::vector<Drawn>&a_, &b_;
-  std::vector<std::optional<std::size_t>> match_;
-  std::vector<bool> taken_;
-};
-
-json changed_draw(const Contents& in_a, const Drawn& a, const Contents& in_b, const Drawn& b) {
+json changed_draw(const DrawContents& in_a, const Drawn& a, const DrawContents& in_b, const Drawn& b, MatchedBy by) {
   json mesh = json::array();
   if (a.mesh->triangles != b.mesh->triangles) mesh.push_back("triangles");
   for (std::size_t i = 0; i < kStreamsOfDraw.size(); ++i) {
@@ -354,8 +114,11 @@ json changed_draw(const Contents& in_a, const Drawn& a, const Contents& in_b, co
   }
   json moved = nullptr;
   if (a.placement != b.placement) {
+    const std::optional<double> distance =
+        moved_distance(in_a.capture(), *a.draw, in_b.capture(), *b.draw, a.mesh->box);
     moved = {{"transform", a.draw->transform != b.draw->transform},
-             {"instances", {a.draw->instance_count, b.draw->instance_count}}};
+             {"instances", {a.draw->instance_count, b.draw->instance_count}},
+             {"distance", distance ? json(*distance) : json(nullptr)}};
   }
   json material = json::array(), textures = json::array();
   if (a.material != b.material) {
@@ -364,35 +127,43 @@ json changed_draw(const Contents& in_a, const Drawn& a, const Contents& in_b, co
     material = material_fields(of_a, of_b);
     textures = texture_fields(in_a, of_a, in_b, of_b);
   }
-  return {{"name", a.draw->name}, {"renamed", a.draw->name == b.draw->name ? json(nullptr) : json(b.draw->name)},
-          {"moved", moved},       {"mesh", mesh},
-          {"material", material}, {"textures", textures}};
+  return {{"name", a.draw->name},
+          {"renamed", a.draw->name == b.draw->name ? json(nullptr) : json(b.draw->name)},
+          {"matched_by", name_of(by)},
+          {"moved", moved},
+          {"mesh", mesh},
+          {"material", material},
+          {"textures", textures}};
 }
 
-json frame_difference(std::size_t number, Contents& in_a, const Frame& a, Contents& in_b, const Frame& b) {
+json frame_difference(std::size_t number, DrawContents& in_a, const Frame& a, DrawContents& in_b, const Frame& b) {
   const std::vector<Drawn> of_a = drawn(in_a, a), of_b = drawn(in_b, b);
-  const Matching matching(of_a, of_b);
+  const DrawMatching matching(in_a, of_a, in_b, of_b);
   json added = json::array(), gone = json::array(), changed = json::array();
   std::size_t equal = 0;
+  std::array<std::size_t, kWaysToMatch.size()> matched{};
   for (std::size_t i = 0; i < of_a.size(); ++i) {
-    const std::optional<std::size_t> match = matching.of_a()[i];
+    const std::optional<DrawMatching::Match> match = matching.of_a()[i];
     if (!match) {
       gone.push_back({{"draw", i}, {"name", of_a[i].draw->name}});
       continue;
     }
-    const Drawn &x = of_a[i], &y = of_b[*match];
+    ++matched[static_cast<std::size_t>(match->by)];
+    const Drawn &x = of_a[i], &y = of_b[match->in_b];
     if (x.draw->name == y.draw->name && x.mesh->all == y.mesh->all && x.material == y.material &&
         x.placement == y.placement) {
       ++equal;
       continue;
     }
-    changed.push_back(changed_draw(in_a, x, in_b, y));
+    changed.push_back(changed_draw(in_a, x, in_b, y, match->by));
     changed.back()["a"] = i;
-    changed.back()["b"] = *match;
+    changed.back()["b"] = match->in_b;
   }
   for (std::size_t i = 0; i < of_b.size(); ++i) {
     if (!matching.is_taken(i)) added.push_back({{"draw", i}, {"name", of_b[i].draw->name}});
   }
+  json matched_by = json::object();
+  for (const MatchedBy way : kWaysToMatch) matched_by[name_of(way)] = matched[static_cast<std::size_t>(way)];
   const json fields = frame_fields(a, b);
   const std::size_t reordered = matching.reordered();
   return {{"frame", number},
@@ -401,6 +172,7 @@ json frame_difference(std::size_t number, Contents& in_a, const Frame& a, Conten
           {"draws_a", of_a.size()},
           {"draws_b", of_b.size()},
           {"equal", equal},
+          {"matched_by", matched_by},
           {"reordered", reordered},
           {"added", added},
           {"gone", gone},
@@ -414,6 +186,12 @@ std::string shown(const json& value) {
   if (value.is_array() && value.size() > 4) return "";
   if (value.is_object()) return "";
   return value.dump();
+}
+
+std::string short_number(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
 }
 
 std::string field_text(const json& field) {
@@ -441,10 +219,14 @@ std::string changed_text(const json& draw) {
   text += " " + printable(draw["name"].get<std::string>(), 120) + ":";
   std::string what;
   const auto add = [&what](const std::string& more) { what += (what.empty() ? " " : "; ") + more; };
+  if (draw["matched_by"] != name_of(MatchedBy::name)) add("by " + draw["matched_by"].get<std::string>());
   if (!draw["renamed"].is_null()) add("renamed " + shown(draw["renamed"]));
   if (!draw["moved"].is_null()) {
     const json& instances = draw["moved"]["instances"];
-    add(instances[0] == instances[1] ? "moved" : "instances " + instances[0].dump() + " -> " + instances[1].dump());
+    const json& distance = draw["moved"]["distance"];
+    add(instances[0] != instances[1] ? "instances " + instances[0].dump() + " -> " + instances[1].dump()
+        : distance.is_null()         ? "moved"
+                                     : "moved " + short_number(distance.get<double>()));
   }
   if (!draw["mesh"].empty()) add("mesh (" + joined(draw["mesh"]) + ")");
   if (!draw["material"].empty()) add("material (" + joined(draw["material"]) + ")");
@@ -452,10 +234,23 @@ std::string changed_text(const json& draw) {
   return text + what;
 }
 
+// Nothing where all were matched by their names.
+std::string matched_text(const json& matched_by) {
+  std::string text;
+  bool is_by_other = false;
+  for (const MatchedBy way : kWaysToMatch) {
+    const char* const name = name_of(way);
+    if (matched_by[name] == 0) continue;
+    text += (text.empty() ? "  matched: " : ", ") + matched_by[name].dump() + " by " + name;
+    is_by_other = is_by_other || way != MatchedBy::name;
+  }
+  return is_by_other ? text + "\n" : "";
+}
+
 }  // namespace
 
 json difference(const Capture& a, const Capture& b, std::optional<std::pair<std::uint32_t, std::uint32_t>> frames) {
-  Contents in_a(a), in_b(b);
+  DrawContents in_a(a), in_b(b);
   Fields fields;
   fields.compare("metres_per_unit", a.metadata.metres_per_unit, b.metadata.metres_per_unit);
   const std::size_t in_both = std::min(a.frames.size(), b.frames.size());
@@ -490,6 +285,7 @@ std::string difference_text(const json& difference) {
             " equal, " + std::to_string(frame["changed"].size()) + " changed, " +
             std::to_string(frame["added"].size()) + " added, " + std::to_string(frame["gone"].size()) + " gone\n";
     for (const json& field : frame["fields"]) text += "  " + field_text(field) + "\n";
+    text += matched_text(frame["matched_by"]);
     if (frame["reordered"] != 0) text += "  " + frame["reordered"].dump() + " draws stand elsewhere in the order\n";
     for (const json& draw : frame["changed"]) text += "  " + changed_text(draw) + "\n";
     for (const json& draw : frame["gone"]) text += "  gone: " + draw_text(draw) + "\n";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "capture_format/capture.hpp"
 
@@ -19,6 +20,7 @@ inline constexpr std::array kStreamsOfDraw{StreamOfDraw{"position", &Draw::posit
                                            StreamOfDraw{"tangent", &Draw::tangent, 4},
                                            StreamOfDraw{"uv2", &Draw::uv2, 2},
                                            StreamOfDraw{"colour", &Draw::colour, 4}};
+inline constexpr std::size_t kPositionOfDraw = 0;  // in kStreamsOfDraw
 
 struct TextureOfMaterial {
   const char* name;

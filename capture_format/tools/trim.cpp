@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/hash.hpp"
 #include "base/printable.hpp"
 #include "capture_format/limits.hpp"
 #include "capture_format/streams.hpp"
@@ -107,22 +108,24 @@ struct Range {
   bool empty() const { return lowest > highest; }
 };
 
-// The vertices that draws read. Ranges of indices that were met before cost nothing.
+// The vertices that draws name, those of strips too which make no triangle: they have to be there. Ranges of indices
+// that were met before cost nothing.
 class VertexReads {
  public:
   explicit VertexReads(const Capture& capture) : capture_(capture) {}
 
   Range of(const Draw& draw) {
-    const Key key{draw.index_buffer, draw.index_type, draw.index_offset, draw.index_count, draw.base_vertex};
+    const Key key{draw.index_buffer, draw.index_type,  draw.index_offset,
+                  draw.index_count,  draw.base_vertex, draw.restart};
     const auto [found, is_new] = ranges_.try_emplace(key);
     if (is_new) {
-      for (const std::uint32_t vertex : decode_indices(capture_, draw)) found->second.add({vertex, vertex});
+      for (const std::uint32_t vertex : named_vertices(capture_, draw)) found->second.add({vertex, vertex});
     }
     return found->second;
   }
 
  private:
-  using Key = std::tuple<std::uint32_t, IndexType, std::uint64_t, std::uint32_t, std::int32_t>;
+  using Key = std::tuple<std::uint32_t, IndexType, std::uint64_t, std::uint32_t, std::int32_t, bool>;
   const Capture& capture_;
   std::map<Key, Range> ranges_;
 };
@@ -178,6 +181,20 @@ void each_range(Draw& draw, Act act) {
   }
   if (draw.instance_buffer != kNone) {
     act(draw.instance_buffer, draw.instance_offset, std::uint64_t{draw.instance_count} * sizeof(Matrix4));
+  }
+}
+
+// Buffers of equal bytes become one: a file has their bytes once, which parts of each might not be.
+void unite_equal_buffers(Capture& capture) {
+  std::map<std::string, std::uint32_t> first_of;  // by content
+  std::vector<std::uint32_t> numbers;
+  for (const Buffer& buffer : capture.buffers) {
+    numbers.push_back(first_of.emplace(content_hash_hex(buffer.bytes), numbers.size()).first->second);
+  }
+  for (Frame& frame : capture.frames) {
+    for (Draw& draw : frame.draws) {
+      each_range(draw, [&](std::uint32_t& buffer, std::uint64_t&, std::uint64_t) { buffer = numbers[buffer]; });
+    }
   }
 }
 
@@ -266,6 +283,7 @@ Capture trim(Capture capture, const TrimOptions& options) {
   const std::size_t draws_before = draws_in(capture);
   if (options.keep || options.drop) keep_draws(capture, options);
   drop_unused_materials(capture);
+  unite_equal_buffers(capture);
   narrow_vertices(capture);
   drop_unread_bytes(capture);
 

@@ -10,9 +10,11 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <utility>
+#include <vector>
 
-#include "base/error.hpp"
 #include "scenes/import/material_values.hpp"
+#include "scenes/import/statements.hpp"
 #include "scenes/import/text.hpp"
 #include "scenes/import/texture_files.hpp"
 
@@ -59,17 +61,18 @@ Wrap wrap_of(aiTextureMapMode mode) {
 // Finds the textures that materials name: beside the model, or inside its file.
 class NamedTextures {
  public:
-  NamedTextures(const aiScene& scene, const AssetSource& source, const std::string& model_name,
-                std::vector<Texture>& textures)
+  // Textures and notices are added to `model`, which outlives this as the others do.
+  NamedTextures(const aiScene& scene, const AssetSource& source, const std::string& model_name, Model& model)
       : scene_(scene),
         source_(source),
         model_name_(model_name),
         folder_(std::filesystem::path(model_name).parent_path().generic_string()),
-        files_(source, textures) {}
+        files_(source, model.textures),
+        notices_(model.notices) {}
 
   TextureFiles& files() { return files_; }
 
-  // The material's texture of a kind, or nothing when there is none of that kind.
+  // The material's texture of a kind, or nothing when there is none of that kind or, with a notice, its file is absent.
   std::optional<NamedTexture> find(const aiMaterial& from, aiTextureType type, unsigned index,
                                    const std::string& material) {
     aiString written;
@@ -90,8 +93,8 @@ class NamedTextures {
       return NamedTexture{inside, sampler};
     }
     if (const auto found = find_beside(source_, {folder_}, name)) return NamedTexture{*found, sampler};
-    throw InputError("can't import the model", "texture " + to_utf8(name) + " of material " + material + " is missing",
-                     source_.describe(model_name_));
+    if (absent_.emplace(name, material).second) notices_.push_back(absent_texture_notice(name, material));
+    return std::nullopt;
   }
 
  private:
@@ -99,7 +102,9 @@ class NamedTextures {
   const AssetSource& source_;
   std::string model_name_, folder_;
   TextureFiles files_;
+  std::vector<std::string>& notices_;
   std::set<std::string> embedded_;
+  std::set<std::pair<std::string, std::string>> absent_;  // texture, material: one may be there in several uses
 };
 
 // glTF's factor multiplies its texture; the diffuse colour of older formats stands in where there is no texture.
@@ -126,6 +131,15 @@ void set_base_colour(const aiMaterial& from, NamedTextures& textures, Material& 
     if (textures.files().open(colour->name).image.is_transparent) material.alpha_mode = AlphaMode::test;
   }
   if (material.alpha_mode == AlphaMode::opaque && material.base_colour[3] < 1) material.alpha_mode = AlphaMode::blend;
+}
+
+// Formats and exporters do not agree on whether 0 is opaque, and nobody models what is never seen.
+void show_invisible(Material& material, std::vector<std::string>& notices) {
+  if (material.base_colour[3] != 0) return;
+  notices.push_back("read: opacity 0 of material " + in_quotes(material.name) +
+                    " as 1, since nothing of it would show");
+  material.base_colour[3] = 1;
+  if (material.alpha_mode == AlphaMode::blend) material.alpha_mode = AlphaMode::opaque;
 }
 
 // glTF says how alpha is meant; other formats leave it to what was found in the textures.
@@ -169,7 +183,7 @@ void set_emission(const aiMaterial& from, NamedTextures& textures, Material& mat
 }  // namespace
 
 void add_materials(const aiScene& scene, const AssetSource& source, const std::string& model_name, Model& model) {
-  NamedTextures textures(scene, source, model_name, model.textures);
+  NamedTextures textures(scene, source, model_name, model);
   std::set<unsigned> used;
   for (unsigned i = 0; i < scene.mNumMeshes; ++i) used.insert(scene.mMeshes[i]->mMaterialIndex);
   const aiMaterial nothing;
@@ -181,6 +195,7 @@ void add_materials(const aiScene& scene, const AssetSource& source, const std::s
     if (material.name.empty()) material.name = model.name + " material " + std::to_string(i);
     set_base_colour(from, textures, material);
     set_alpha_mode(from, material);
+    show_invisible(material, model.notices);
     set_surface(from, textures, material);
     set_emission(from, textures, material);
     model.materials.push_back(std::move(material));

@@ -11,8 +11,9 @@ struct aiScene;
 namespace subpixel::capture {
 
 // Appends to model.materials one material for each of the scene's, and the textures they use to model.textures, each
-// file once. `model_name` is the model's own file, which texture names are relative to. Throws InputError naming a
-// texture that is missing or damaged.
+// file once. `model_name` is the model's own file, which texture names are relative to. A texture that is missing is
+// left out with a notice, and a material of opacity 0 is read as opaque. Throws InputError naming a texture that is
+// damaged.
 void add_materials(const aiScene& scene, const AssetSource& source, const std::string& model_name, Model& model);
 
 }  // namespace subpixel::capture

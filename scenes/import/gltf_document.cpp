@@ -270,6 +270,18 @@ GltfElement GltfDocument::item(const char* list, std::size_t index) const {
   return root().member(list).element(index);
 }
 
+namespace {
+
+bool is_elsewhere(const std::string& uri) {
+  return uri.find("://") != std::string::npos && !uri.starts_with("file:");
+}
+
+std::string path_of(const std::string& uri) {
+  return uri.starts_with("file://") ? uri.substr(7) : uri;
+}
+
+}  // namespace
+
 std::string GltfDocument::uri_name(const std::string& uri) {
   if (uri.starts_with("data:")) return "";
   return to_utf8(std::filesystem::path(normal_name(percent_decoded(uri))).filename().string());
@@ -289,17 +301,28 @@ std::vector<std::byte> GltfDocument::uri_bytes(const std::string& uri, const Glt
     if (!bytes) user.fail("a data URI that is no base64");
     return std::move(*bytes);
   }
-  if (uri.find("://") != std::string::npos && !uri.starts_with("file:")) {
+  if (is_elsewhere(uri)) {
     user.fail(shortened(uri) + " is elsewhere; only files beside the model are read");
   }
-  const std::string path = uri.starts_with("file://") ? uri.substr(7) : uri;
+  if (const std::optional<std::string> file = file_of(uri)) {
+    if (std::optional<std::vector<std::byte>> bytes = source_.read(*file)) return std::move(*bytes);
+  }
+  user.fail("the file " + shortened(percent_decoded(path_of(uri))) + " is missing");
+}
+
+std::optional<std::string> GltfDocument::file_of(const std::string& uri) const {
+  const std::string path = path_of(uri);
   // Names are percent-encoded by the specification, but not by every exporter.
   for (const std::string& name : {percent_decoded(path), path}) {
     const std::string inside =
         folder_.empty() || std::filesystem::path(name).is_absolute() ? name : folder_ + "/" + name;
-    if (std::optional<std::vector<std::byte>> bytes = source_.read(inside)) return std::move(*bytes);
+    if (source_.contains(inside)) return inside;
   }
-  user.fail("the file " + shortened(percent_decoded(path)) + " is missing");
+  return std::nullopt;
+}
+
+bool GltfDocument::is_absent_file(const std::string& uri) const {
+  return !uri.starts_with("data:") && !is_elsewhere(uri) && !file_of(uri);
 }
 
 std::span<const std::byte> GltfDocument::buffer_bytes(std::size_t index, const GltfElement& user) const {

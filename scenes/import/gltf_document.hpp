@@ -87,10 +87,14 @@ class GltfDocument {
   // where they come from. Throws when there are none.
   std::vector<std::byte> uri_bytes(const std::string& uri, const GltfElement& user) const;
 
+  // Whether a URI names a file that should be beside the model and is not there.
+  bool is_absent_file(const std::string& uri) const;
+
   // A file name from a URI for showing; empty for data URIs.
   static std::string uri_name(const std::string& uri);
 
  private:
+  std::optional<std::string> file_of(const std::string& uri) const;  // in the source
   std::span<const std::byte> buffer_bytes(std::size_t index, const GltfElement& user) const;
   std::vector<std::byte> decompressed(const GltfElement& extension) const;
   void read_container(std::span<const std::byte> bytes);

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "scenes/builder/camera.hpp"
+#include "scenes/import/statements.hpp"
 #include "scenes/import/text.hpp"
 
 namespace subpixel::capture {
@@ -136,9 +137,15 @@ GltfMaterials::Slot GltfMaterials::read_slot(const GltfElement& info) const {
   return slot;
 }
 
-std::optional<GltfMaterials::Slot> GltfMaterials::find_slot(const GltfElement& parent, const char* key) const {
+std::optional<GltfMaterials::Slot> GltfMaterials::find_slot(const GltfElement& parent, const char* key) {
   const std::optional<GltfElement> info = parent.find(key);
-  return info ? std::optional(read_slot(*info)) : std::nullopt;
+  if (!info) return std::nullopt;
+  Slot slot = read_slot(*info);
+  const GltfElement image = document_.item("images", image_of(slot.texture));
+  if (image.has("bufferView") || !document_.is_absent_file(image.text("uri"))) return slot;
+  notice("ignored: texture " + in_quotes(GltfDocument::uri_name(image.text("uri"))) + " of " + image.path() +
+         ", whose file is missing");
+  return std::nullopt;
 }
 
 // EXT_texture_webp and MSFT_texture_dds name an image in a format of their own beside, or instead of, `source`.

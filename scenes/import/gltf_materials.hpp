@@ -48,7 +48,8 @@ class GltfMaterials {
   };
 
   Slot read_slot(const GltfElement& info) const;
-  std::optional<Slot> find_slot(const GltfElement& parent, const char* key) const;
+  // Nothing, with a notice, where the image's file is missing.
+  std::optional<Slot> find_slot(const GltfElement& parent, const char* key);
   std::size_t image_of(std::size_t texture);
   const SourceImage& open(std::size_t image);
   Sampler sampler_of(std::size_t texture) const;

@@ -119,7 +119,8 @@ class MaterialMaker {
       : source_(source), folder_(folder_of(model_name)), model_(model), textures_(source, model.textures) {}
 
   // Textures only of those that some face uses.
-  Material make(const FoundMaterial& from, bool is_used) {
+  Material make(FoundMaterial from, bool is_used) {
+    if (is_used) leave_out_absent_textures(from);
     const MtlMaterial& mtl = from.mtl;
     Material material;
     material.name = to_utf8(mtl.name);
@@ -136,6 +137,16 @@ class MaterialMaker {
   }
 
  private:
+  // The bump map is looked for where it is told from a picture of heights.
+  void leave_out_absent_textures(FoundMaterial& from) {
+    MtlMaterial& mtl = from.mtl;
+    for (std::optional<MtlMap>* map : {&mtl.map_kd, &mtl.map_d, &mtl.map_ke, &mtl.map_pr, &mtl.map_pm, &mtl.norm}) {
+      if (!map->has_value() || find_file(map->value(), from)) continue;
+      model_.notices.push_back(absent_texture_notice(map->value().file, mtl.name) + ", " + map->value().place);
+      map->reset();
+    }
+  }
+
   void set_base_colour(const FoundMaterial& from, Material& material) {
     const MtlMaterial& mtl = from.mtl;
     const glm::dvec3 colour = mtl.map_kd ? glm::dvec3(1) : mtl.kd.value_or(glm::dvec3(kDefaultDiffuse));
@@ -208,14 +219,16 @@ class MaterialMaker {
     material.alpha_mode = AlphaMode::test;
   }
 
-  std::string file_of(const MtlMap& map, const FoundMaterial& from) {
+  std::optional<std::string> find_file(const MtlMap& map, const FoundMaterial& from) const {
     std::optional<std::string> file = find_beside(source_, {from.folder, folder_}, map.file);
     // "name.png # which is blue"
     if (!file) file = find_beside(source_, {from.folder, folder_}, std::string(without_comment(map.file)));
-    if (file) return *file;
-    throw InputError("can't import the model",
-                     fmt::format("texture {} of material {} is missing", to_utf8(map.file), to_utf8(from.mtl.name)),
-                     map.place);
+    return file;
+  }
+
+  // Of a map that leave_out_absent_textures() left.
+  std::string file_of(const MtlMap& map, const FoundMaterial& from) const {
+    return find_file(map, from).value_or(map.file);
   }
 
   static Sampler sampler_of(const MtlMap& map) {

@@ -24,7 +24,9 @@ Statements::Statements(std::vector<std::byte> file, std::string where, bool cont
       where_(std::move(where)),
       continued_(continued) {
   if (left_.starts_with("\xef\xbb\xbf")) left_.remove_prefix(3);
-  if (left_.starts_with("\xff\xfe") || left_.starts_with("\xfe\xff")) {
+  // Without its mark, too: the first character is one of ASCII.
+  const bool is_half_zero = left_.size() > 1 && (left_[0] == 0) != (left_[1] == 0);
+  if (left_.starts_with("\xff\xfe") || left_.starts_with("\xfe\xff") || is_half_zero) {
     throw InputError("can't import the model", "its text is UTF-16; only UTF-8 and the like can be read", where_);
   }
   if (const std::size_t zero = left_.find('\0'); zero != std::string_view::npos) {

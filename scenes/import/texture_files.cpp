@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/error.hpp"
+#include "scenes/import/statements.hpp"
 #include "scenes/import/text.hpp"
 
 namespace subpixel::capture {
@@ -114,6 +115,10 @@ std::uint32_t TextureFiles::add_surface(const std::string& roughness, const std:
                     (metallic.empty() ? "" : short_file_name(metallic) + " as metallic"),
                 false, image, sampler);
   return number;
+}
+
+std::string absent_texture_notice(const std::string& name, const std::string& material) {
+  return "ignored: texture " + in_quotes(name) + " of material " + in_quotes(material) + ", whose file is missing";
 }
 
 std::string short_file_name(const std::string& name) {

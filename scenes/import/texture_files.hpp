@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "capture_format/capture.hpp"
@@ -44,13 +45,7 @@ class TextureFiles {
 
  private:
   enum class Use { colour, numbers, with_alpha, surface };
-  struct Way {
-    std::string first, second;
-    Use use;
-    char channel;
-    Wrap wrap_u, wrap_v;
-    auto operator<=>(const Way&) const = default;
-  };
+  using Way = std::tuple<std::string, std::string, Use, char, Wrap, Wrap>;  // files, use, alpha's channel, u, v
 
   // The number for a way of use, and whether the texture is yet to be appended.
   std::pair<std::uint32_t, bool> number_of(Way way);
@@ -61,6 +56,9 @@ class TextureFiles {
   std::map<std::string, TextureFile> files_;
   std::map<Way, std::uint32_t> numbers_;
 };
+
+// That a material's texture is left out since its file is not there.
+std::string absent_texture_notice(const std::string& name, const std::string& material);
 
 // `name` without folders, in UTF-8.
 std::string short_file_name(const std::string& name);

@@ -25,6 +25,8 @@ if (!executablePath) {
 }
 const binary = resolve(positionals[0] ?? join(import.meta.dirname, '../../build/release/subpixel'));
 const hostileName = '<img src=x onerror=alert(1)>.spcap';
+const notices = ['left out: <b>decals</b>', 'skipped on reading, of kinds that this program does not know: chunks ZXXX'];
+const spheres = {title: 'Rows <b>of</b> spheres', frames: 3, width: 320, height: 180, result_ms: 150, notices};
 const timeout = 120_000;  // a first frame pays the pipelines' compilation
 
 const service = new Service(binary, options['fake-worker'] ? resolve(options['fake-worker']) : null);
@@ -83,7 +85,7 @@ const tests = [
   }],
 
   ['a capture is uploaded by drag and drop, with its thumbnail', async () => {
-    const path = service.capture('spheres.spcap', {title: 'Rows <b>of</b> spheres', frames: 3, width: 320, height: 180, result_ms: 150});
+    const path = service.capture('spheres.spcap', spheres);
     const transfer = await page.evaluateHandle(([base64, name]) => {
       const data = new DataTransfer();
       data.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
@@ -105,7 +107,7 @@ const tests = [
   }],
 
   ['the same file again is one capture, and a foreign file is refused with the reason', async () => {
-    await page.setInputFiles('#file', service.capture('again.spcap', {title: 'Rows <b>of</b> spheres', frames: 3, width: 320, height: 180, result_ms: 150}));
+    await page.setInputFiles('#file', service.capture('again.spcap', spheres));
     await page.locator('.uploads').getByText('was here already').waitFor();
     const foreign = join(service.folder, 'foreign.spcap');
     writeFileSync(foreign, 'this is no capture');
@@ -128,6 +130,13 @@ const tests = [
       }
     }
     await shot('run-form');
+  }],
+
+  ['the notices of a capture are listed, as text', async () => {
+    const shownNotices = await page.locator('.notices li').allInnerTexts();
+    assert.deepEqual(shownNotices, service.fakeWorker ? notices : []);
+    await counted(page.getByRole('heading', {name: 'Notices'}), service.fakeWorker ? 1 : 0);
+    await counted(page.locator('.notices b'), 0);
   }],
 
   ['a wrong number is named by the form before it is sent', async () => {

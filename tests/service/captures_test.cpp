@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "tests/service/service_fixture.hpp"
+#include "tests/unit/capture_forgery.hpp"
 
 namespace subpixel::tests {
 namespace {
@@ -38,6 +39,30 @@ TEST_F(Captures, UploadIsStoredByContentAndListed) {
   ASSERT_TRUE(file);
   EXPECT_EQ(file->body, bytes);
   EXPECT_EQ(files_in(folder() / "data" / "uploads"), 0u);
+}
+
+// What the reader left out is said by the real program, and goes through to who asks: chunks of kinds that a later
+// program may have written among the notices of the recorder.
+TEST_F(Captures, NoticesOfTheReaderAndTheRecorderAreInTheSummary) {
+  server::ServiceOptions real = options();
+  real.worker.program = SUBPIXEL_BINARY;
+  start(real);
+  capture::Capture recorded = capture::version_2_capture();
+  recorded.metadata.notices = {"left out: <b>decals</b>"};
+  recorded.frames[0].draws[1].index_count = 0;
+  recorded.frames[0].draws[1].topology = capture::Topology::triangle_strip;  // a version that skips
+  recorded.frames.push_back(recorded.frames[0]);
+  capture::Forgery forgery(recorded);
+  forgery.set_type(capture::ChunkType::frame, 2, capture::four_cc("ZXXX"));
+  const auto* const bytes = reinterpret_cast<const char*>(forgery.bytes().data());
+  const httplib::Result result = client().upload(std::string(bytes, forgery.bytes().size()));
+  ASSERT_TRUE(result);
+  ASSERT_EQ(result->status, 201) << result->body;
+  const std::string hash = json::parse(result->body).at("hash");
+  const json summary = client().get("/api/captures/" + hash).at("summary");
+  EXPECT_EQ(summary.at("frame_count"), 2);
+  EXPECT_EQ(summary.at("notices"), (json{"left out: <b>decals</b>",
+                                         "skipped on reading, of kinds that this program does not know: chunks ZXXX"}));
 }
 
 TEST_F(Captures, SameFileTwiceIsOne) {

@@ -44,6 +44,19 @@ class Forgery {
     sign(at);
   }
 
+  // Makes a chunk one of another kind, in the index too, and signs both.
+  void set_type(ChunkType type, std::uint32_t id, std::uint32_t other) {
+    const std::size_t at = chunk(type, id), index = chunk(ChunkType::index);
+    set(at, other);
+    sign(at);
+    const std::size_t entries = get<std::uint64_t>(index + 16) / 16;
+    for (std::size_t i = 0; i < entries; ++i) {
+      const std::size_t entry = index + kChunkHeaderBytes + 16 * i;
+      if (get<std::uint64_t>(entry + 8) == at) set(entry, other);
+    }
+    sign(index);
+  }
+
   // Puts a payload of the same size in the place of a chunk's own.
   void replace_payload(ChunkType type, std::uint32_t id, std::span<const std::byte> payload) {
     const std::size_t at = chunk(type, id);

@@ -93,6 +93,43 @@ TEST(CaptureValidator, NotesUvSetsThatAreAbsentOrUnused) {
   EXPECT_EQ(count(problems, Problem::Severity::note, "field uv2: unused: no texture of material 0"), 1u);
 }
 
+// Perspective and parallel, of every convention: a view that mirrors is noted, and so is a projection, but not both.
+TEST(CaptureValidator, NotesViewsThatMirror) {
+  const Capture whole = small_capture();
+  for (const ClipDepth depth : {ClipDepth::zero_to_one, ClipDepth::one_to_zero, ClipDepth::minus_one_to_one}) {
+    for (const bool is_y_up : {false, true}) {
+      for (const bool is_parallel : {false, true}) {
+        Capture capture = whole;
+        Frame& frame = capture.frames[0];
+        frame.clip_depth = depth;
+        frame.clip_y_up = is_y_up;
+        // Near at z = -1 and far at z = -3 along the view; depth is (a z + b) / w.
+        const float at_near = depth == ClipDepth::one_to_zero ? 1.0f : depth == ClipDepth::zero_to_one ? 0.0f : -1.0f;
+        const float at_far = depth == ClipDepth::one_to_zero ? 0.0f : 1.0f;
+        const float w_far = is_parallel ? 1.0f : 3.0f;
+        const float a = (at_near - at_far * w_far) / 2, b = at_near + a;
+        frame.projection = {2, 0,
+                            0, 0,
+                            0, is_y_up ? 2.0f : -2.0f,
+                            0, 0,
+                            0, 0,
+                            a, is_parallel ? 0.0f : -1.0f,
+                            0, 0,
+                            b, is_parallel ? 1.0f : 0.0f};
+        const auto notes = [&] { return count(validate_capture(capture), Problem::Severity::note, "mirrors"); };
+        EXPECT_EQ(notes(), 0u) << static_cast<int>(depth) << is_y_up << is_parallel;
+        frame.view[0] = -1;
+        EXPECT_EQ(count(validate_capture(capture), Problem::Severity::note, "frame 0, field view: mirrors"), 1u);
+        frame.projection[5] *= -1;
+        EXPECT_EQ(notes(), 0u);
+        frame.view[0] = 1;
+        EXPECT_EQ(notes(), 1u);
+        EXPECT_EQ(count(validate_capture(capture), Problem::Severity::error, ""), 0u);
+      }
+    }
+  }
+}
+
 TEST(CaptureValidator, CollectsEveryBrokenRule) {
   Capture capture = small_capture();
   capture.metadata.metres_per_unit = 0;

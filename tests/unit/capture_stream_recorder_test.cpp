@@ -15,6 +15,7 @@
 #include "capture_format/streams.hpp"
 #include "capture_format/writer.hpp"
 #include "tests/unit/capture_forgery.hpp"
+#include "tests/unit/memory_faults.hpp"
 
 namespace subpixel::capture {
 namespace {
@@ -287,6 +288,180 @@ TEST_F(CaptureStreamRecorder, MoreThanReadersTakeIsRefused) {
   record_frame(recorder, 0);
   recorder.finish();
   EXPECT_EQ(read_capture(path_).frames.size(), 1u);
+}
+
+// A draw of `count` triangles by indices, with `instances`.
+template <typename Recorder>
+Draw many_triangles(Recorder& recorder, std::uint32_t count, std::uint32_t instances) {
+  const std::vector<float> corners{0, 0, -2, 1, 0, -2, 0, 1, -2};
+  std::vector<std::uint8_t> order;
+  for (std::uint32_t i = 0; i < 3 * count; ++i) order.push_back(static_cast<std::uint8_t>(i % 3));
+  const std::vector<Matrix4> places(instances, Draw{}.transform);
+  Draw draw;
+  draw.name = "many";
+  draw.position = {recorder.add_buffer("corners", std::as_bytes(std::span(corners))), VertexFormat::float32x3, 0, 12};
+  draw.vertex_count = 3;
+  draw.index_type = IndexType::uint8;
+  draw.index_buffer = recorder.add_buffer("order", std::as_bytes(std::span(order)));
+  draw.index_count = 3 * count;
+  draw.instance_buffer = recorder.add_buffer("places", std::as_bytes(std::span(places)));
+  draw.instance_count = instances;
+  Material material;
+  material.name = "of the frame that is dropped";
+  draw.material = recorder.add_material(material);
+  return draw;
+}
+
+// One with more triangles than a frame may have: whatever was added for it is there for the next.
+template <typename Recorder>
+void record_between_refused_frames(Recorder& recorder) {
+  Frame frame;
+  frame.view = frame.projection = Draw{}.transform;
+  const Draw draw = many_triangles(recorder, 1024, 1024);
+  for (const char* const name : {"first", "second"}) {
+    recorder.begin_frame(frame);
+    for (int i = 0; i < 257; ++i) recorder.draw(draw);
+    EXPECT_THROW(recorder.end_frame(), UsageError);
+    EXPECT_THROW(recorder.end_frame(), UsageError) << "none is begun";
+    EXPECT_THROW(recorder.draw(draw), UsageError);
+    Frame small = frame;
+    small.name = name;
+    recorder.begin_frame(small);
+    recorder.draw(draw);
+    recorder.end_frame();
+  }
+  recorder.begin_frame(frame);
+  for (int i = 0; i < 257; ++i) recorder.draw(draw);
+  EXPECT_THROW(recorder.end_frame(), UsageError);
+}
+
+TEST_F(CaptureStreamRecorder, AFrameThatIsRefusedIsDroppedWhole) {
+  StreamRecorder recorder(Metadata{}, path_);
+  record_between_refused_frames(recorder);
+  recorder.finish();
+  const Capture read = read_capture(path_);
+  ASSERT_EQ(read.frames.size(), 2u);
+  EXPECT_EQ(read.frames[0].name, "first");
+  EXPECT_EQ(read.frames[1].name, "second");
+  EXPECT_EQ(read.frames[1].draws.size(), 1u);
+  EXPECT_EQ(read.materials[read.frames[1].draws[0].material].name, "of the frame that is dropped");
+
+  Recorder memory(Metadata{});
+  record_between_refused_frames(memory);
+  EXPECT_EQ(encode_capture(memory.capture()), encode_capture(read));
+}
+
+// The frame is too large, or its new materials are: neither is in the file, and the numbers go on.
+TEST_F(CaptureStreamRecorder, AFrameThatPassesTheMostBytesIsDroppedWhole) {
+  StreamRecorder recorder(Metadata{}, path_, {.most_bytes = 8000});
+  record_frame(recorder, 0);
+  const Draw draw = many_triangles(recorder, 1, 1);
+  Frame frame;
+  frame.view = frame.projection = Draw{}.transform;
+  recorder.begin_frame(frame);
+  for (int i = 0; i < 100; ++i) recorder.draw(draw);
+  EXPECT_THROW(recorder.end_frame(), UsageError);
+  recorder.begin_frame(frame);
+  recorder.draw(draw);
+  recorder.end_frame();
+  Material large;
+  large.name.assign(7000, 'x');
+  recorder.add_material(large);
+  recorder.begin_frame(frame);
+  EXPECT_THROW(recorder.end_frame(), UsageError);
+  recorder.finish();
+  const Capture read = read_capture(path_);
+  ASSERT_EQ(read.frames.size(), 2u);
+  EXPECT_EQ(read.materials[read.frames[1].draws[0].material].name, "of the frame that is dropped");
+  EXPECT_EQ(read.materials.size(), 2u) << "the one that no frame draws with is left out";
+}
+
+// A recorder of which each call runs out of memory first, at its allocation of one number, and is made again then.
+template <typename Recorder>
+class Repeated {
+ public:
+  Repeated(Recorder& recorder, std::int64_t allocations) : recorder_(recorder), allocations_(allocations) {}
+
+  std::size_t faults() const { return faults_; }
+
+  std::uint32_t add_buffer(const std::string& name, std::span<const std::byte> bytes) {
+    return repeated([&] { return recorder_.add_buffer(name, bytes); });
+  }
+  std::uint32_t add_texture(const Texture& texture) {
+    return repeated([&] { return recorder_.add_texture(texture); });
+  }
+  std::uint32_t add_material(const Material& material) {
+    return repeated([&] { return recorder_.add_material(material); });
+  }
+  void begin_frame(const Frame& frame) {
+    frame_ = frame;
+    draws_.clear();
+    repeated([&] { recorder_.begin_frame(frame); });
+  }
+  void draw(const Draw& draw) {
+    draws_.push_back(draw);
+    repeated([&] { recorder_.draw(draw); });
+  }
+  // Memory that lacks here takes the frame with it.
+  void end_frame() {
+    if (!failed([&] { recorder_.end_frame(); })) return;
+    recorder_.begin_frame(frame_);
+    for (const Draw& draw : draws_) recorder_.draw(draw);
+    recorder_.end_frame();
+  }
+
+ private:
+  template <typename Call>
+  bool failed(Call call) {
+    try {
+      const tests::MemoryFault fault(allocations_);
+      call();
+      return false;
+    } catch (const std::bad_alloc&) {
+      ++faults_;
+      return true;
+    }
+  }
+  template <typename Call>
+  auto repeated(Call call) {
+    try {
+      const tests::MemoryFault fault(allocations_);
+      return call();
+    } catch (const std::bad_alloc&) {
+      ++faults_;
+    }
+    return call();
+  }
+
+  Recorder& recorder_;
+  std::int64_t allocations_;
+  std::size_t faults_ = 0;
+  Frame frame_;
+  std::vector<Draw> draws_;
+};
+
+// At every allocation of every call: what was said to be added is in the file under its number, and nothing else is.
+TEST_F(CaptureStreamRecorder, NoMemoryForACallLeavesAllAsItWas) {
+  const std::vector<std::byte> expected = encode_capture(in_memory());
+  std::size_t faults = 1;
+  std::int64_t allocations = 0;
+  for (; faults > 0; ++allocations) {
+    SCOPED_TRACE(allocations);
+    ASSERT_LT(allocations, 1000);
+    StreamRecorder recorder(Metadata{"Streamed", "a test", "a recorder", "CC0-1.0"}, path_);
+    Recorder memory(Metadata{"Streamed", "a test", "a recorder", "CC0-1.0"});
+    Repeated repeated(recorder, allocations);
+    Repeated in_memory(memory, allocations);
+    for (std::uint32_t f = 0; f < kFrames; ++f) {
+      record_frame(repeated, f);
+      record_frame(in_memory, f);
+    }
+    recorder.finish();
+    ASSERT_EQ(encode_capture(read_capture(path_)), expected);
+    ASSERT_EQ(encode_capture(memory.capture()), expected);
+    faults = repeated.faults() + in_memory.faults();
+  }
+  EXPECT_GT(allocations, 8);
 }
 
 TEST_F(CaptureStreamRecorder, AFullDiskIsSaid) {

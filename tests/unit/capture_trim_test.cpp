@@ -1,7 +1,9 @@
 // Parts of captures: what stays is drawn as before, what nobody needs is gone, and what is left is a capture.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "capture_format/limits.hpp"
 #include "capture_format/reading/validator.hpp"
@@ -179,6 +181,88 @@ TEST(CaptureTrim, FramesAndNotices) {
             (std::vector<std::string>{"of before", "trimmed: frames 1 to 3 of 5; 6 of 9 draws, without draw 1"}));
   capture.metadata.notices.assign(kMaxNotices, "x");
   EXPECT_EQ(refusal(encode_capture(trim(capture, {.frames = {{0, 0}}}))), "");
+}
+
+// Strips and fans of indices in no order, which as lists would be three times as many.
+Capture of_strips() {
+  Capture capture;
+  std::vector<float> positions(3 * 300);
+  for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = std::sin(static_cast<float>(i));
+  std::vector<std::uint16_t> indices;
+  Frame frame;
+  frame.view = frame.projection = Draw{}.transform;
+  capture.materials.emplace_back();
+  std::uint32_t random = 1;
+  for (int d = 0; d < 6; ++d) {
+    Draw draw;
+    draw.name = "draw " + std::to_string(d);
+    draw.position = {0, VertexFormat::float32x3, 0, 12};
+    draw.vertex_count = 300;
+    draw.topology = d % 2 == 0 ? Topology::triangle_strip : Topology::triangle_fan;
+    draw.index_count = 3000;
+    if (d < 4) {
+      draw.index_type = IndexType::uint16;
+      draw.index_buffer = 1;
+      draw.index_offset = 2 * indices.size();
+      draw.base_vertex = d;
+      draw.restart = d >= 2;
+      for (std::uint32_t i = 0; i < draw.index_count; ++i) {
+        random = random * 1664525u + 1013904223u;
+        indices.push_back(static_cast<std::uint16_t>(50 + (random >> 16) % 200));
+      }
+      // Of a part that makes no triangle, but has to be there.
+      if (draw.restart) {
+        indices[indices.size() - 2] = 0xffff;
+        indices[indices.size() - 1] = 290;
+        indices[indices.size() - 1000] = 0xffff;
+      }
+    } else {
+      draw.index_count = 100;
+      draw.base_vertex = 20 * d;
+    }
+    frame.draws.push_back(draw);
+  }
+  capture.buffers = {{"positions", bytes_of(positions)}, {"indices", bytes_of(indices)}};
+  capture.frames = {frame};
+  return capture;
+}
+
+TEST(CaptureTrim, StripsStayStripsAndTheFileGetsSmaller) {
+  const Capture whole = of_strips();
+  const std::size_t bytes = encode_capture(whole).size();
+  for (const std::string list : {"0-3,5", "0-4", "1-5", "2", "3", "4", "5", "2,3"}) {
+    SCOPED_TRACE(list);
+    const Capture part = trim(whole, {.keep = list});
+    const std::vector<std::byte> encoded = encode_capture(part);
+    EXPECT_LT(encoded.size(), bytes);
+    EXPECT_EQ(refusal(encoded), "");
+    for (const Draw& after : part.frames[0].draws) {
+      const Draw& before = *std::ranges::find(whole.frames[0].draws, after.name, &Draw::name);
+      EXPECT_EQ(after.topology, before.topology);
+      EXPECT_EQ(after.restart, before.restart);
+      EXPECT_EQ(after.index_count, before.index_count);
+      EXPECT_EQ(corners(part, after, &Draw::position), corners(whole, before, &Draw::position));
+    }
+  }
+}
+
+// A file has equal bytes once; the parts of them that are left might be there twice.
+TEST(CaptureTrim, EqualBuffersStayOne) {
+  Capture whole = shared_buffers(12);
+  whole.buffers.push_back({"the same", whole.buffers[0].bytes});
+  for (std::size_t d = 6; d < 12; ++d) {
+    for (VertexStream Draw::*const stream : {&Draw::position, &Draw::normal, &Draw::uv}) {
+      (whole.frames[0].draws[d].*stream).buffer = 3;
+    }
+    whole.frames[0].draws[d].normal.offset = 0;  // read otherwise, so that their vertices are no draw's of before
+  }
+  const Capture part = trim(whole, {.drop = "11"});
+  EXPECT_EQ(part.buffers.size(), 2u);
+  EXPECT_LT(encode_capture(part).size(), encode_capture(whole).size());
+  for (std::size_t d = 0; d < 11; ++d) {
+    EXPECT_EQ(corners(part, part.frames[0].draws[d], &Draw::normal),
+              corners(whole, whole.frames[0].draws[d], &Draw::normal));
+  }
 }
 
 TEST(CaptureTrim, Refusals) {

@@ -56,6 +56,21 @@ class ImportGltfMaterials : public testing::Test {
   ScratchFolder folder_;
 };
 
+TEST_F(ImportGltfMaterials, TexturesThatAreMissingAreLeftOutWithANotice) {
+  const Model model = load([](json& document, json& material) {
+    document["images"][0] = {{"uri", "away%20from%20here.png"}};
+    material["pbrMetallicRoughness"] = {{"baseColorTexture", {{"index", 0}}}, {"baseColorFactor", {1, 0.5, 0, 1}}};
+    material["normalTexture"] = {{"index", 0}};
+    material["emissiveTexture"] = {{"index", 1}};
+  });
+  EXPECT_EQ(model.textures.size(), 1u) << "the one that is there";
+  EXPECT_EQ(model.notices,
+            (std::vector<std::string>{"ignored: texture \"away from here.png\" of images[0], whose file is missing"}));
+  EXPECT_EQ(model.materials.at(0).base_colour, (std::array<float, 4>{1, 0.5f, 0, 1}));
+  EXPECT_EQ(model.materials.at(0).base_colour_texture, kNone);
+  EXPECT_EQ(model.materials.at(0).normal_texture, kNone);
+}
+
 TEST_F(ImportGltfMaterials, DefaultsAreTheSpecifications) {
   const Material material = material_of([](json&, json&) {});
   EXPECT_EQ(material.base_colour, (std::array<float, 4>{1, 1, 1, 1}));

@@ -57,13 +57,29 @@ TEST_F(ImportMtl, OptionsOfMapsSetMappingAndSampler) {
   EXPECT_EQ(load_mtl("newmtl m\nmap_Kd t.tga\n").textures.at(0).sampler, Sampler{});
 }
 
-TEST_F(ImportMtl, MissingTexturesMatterOfUsedMaterials) {
+// What is there of the material is used, and each texture of it that is not is said.
+TEST_F(ImportMtl, MissingTexturesAreLeftOutOfUsedMaterials) {
   const Model model = load_mtl("newmtl m\nmap_Kd t.tga\nnewmtl old\nmap_Kd absent.tga\n");
   EXPECT_EQ(model.materials.size(), 2u);
   EXPECT_EQ(model.textures.size(), 1u);
-  const std::string refusal = refusal_of_mtl("newmtl m\nKd 1 1 1\nmap_Kd C:\\away\\absent.tga\n");
-  EXPECT_NE(refusal.find("texture C:\\away\\absent.tga of material m is missing"), std::string::npos) << refusal;
-  EXPECT_NE(refusal.find("m.mtl, line 3"), std::string::npos) << refusal;
+  EXPECT_EQ(model.notices.size(), 0u);
+  const Model left = load_mtl(
+      "newmtl m\nKd 1 0 0\nmap_Kd C:\\away\\absent.tga\nmap_d gone.tga\nPr 0.25\nmap_Pr no.tga\nmap_Ke no.tga\n"
+      "norm no.tga\n");
+  EXPECT_EQ(left.textures.size(), 0u);
+  ASSERT_EQ(left.notices.size(), 5u);
+  EXPECT_TRUE(has_notice(left, "ignored: texture \"C:\\away\\absent.tga\" of material \"m\", whose file is missing"))
+      << left.notices[0];
+  EXPECT_TRUE(has_notice(left, "m.mtl, line 3"));
+  const Material& material = left.materials.at(0);
+  EXPECT_EQ(material.base_colour, (std::array<float, 4>{1, 0, 0, 1}));
+  EXPECT_EQ(material.alpha_mode, AlphaMode::opaque);
+  EXPECT_EQ(material.roughness, 0.25f);
+  EXPECT_EQ(material.emissive, (Float3{0, 0, 0}));
+  // Of the two parts of one texture one may be there.
+  const Model half = load_mtl("newmtl m\nmap_Kd t.tga\nmap_d gone.tga\n");
+  EXPECT_EQ(half.textures.size(), 1u);
+  EXPECT_EQ(half.notices.size(), 1u);
 }
 
 TEST_F(ImportMtl, OpacityByDAndByTr) {

@@ -192,6 +192,8 @@ TEST_F(ImportObj, WhatIsWrongNamesLineAndValue) {
   expect(three, {"no faces", "m.obj"});
   expect("", {"no faces"});
   expect("\xff\xfev", {"UTF-16"});
+  expect(std::string("v\0 \0001\0\n\0", 8), {"its text is UTF-16; only UTF-8 and the like can be read"});
+  expect(std::string("\0#\0\n", 4), {"UTF-16"});
   expect(three + std::string("\0binary", 7), {"no text", "line 4"});
   expect(three + "f 1 2\n", {"no faces"});
   EXPECT_EQ(refusal_of(three + "f 1 2\nf 1 2 3\n"), "");

@@ -144,6 +144,70 @@ TEST_F(ImportOtherFormats, LightsAndCameraOfCollada) {
   EXPECT_EQ(glm::dvec3(model.camera->world[3]), glm::dvec3(0, 0, 5));
 }
 
+// kCollada with a material: `effect` is what its effect's phong has, `image` its only file.
+std::string collada_with(const std::string& phong, const std::string& image) {
+  std::string text = kCollada;
+  const auto insert = [&](const std::string& before, const std::string& added) {
+    text.insert(text.find(before), added);
+  };
+  insert("<library_geometries>",
+         "<library_images><image id=\"i\" name=\"i\"><init_from>" + image +
+             "</init_from></image></library_images><library_effects><effect id=\"e\"><profile_COMMON>"
+             "<newparam sid=\"s\"><surface type=\"2D\"><init_from>i</init_from></surface></newparam>"
+             "<newparam sid=\"t\"><sampler2D><source>s</source></sampler2D></newparam>"
+             "<technique sid=\"c\"><phong>" +
+             phong +
+             "</phong></technique></profile_COMMON></effect></library_effects><library_materials>"
+             "<material id=\"m\" name=\"m\"><instance_effect url=\"#e\"/></material></library_materials>");
+  text.replace(text.find("<triangles count"), 10, "<triangles material=\"m\"");
+  const std::string instance = "<instance_geometry url=\"#g\"/>";
+  text.replace(text.find(instance), instance.size(),
+               "<instance_geometry url=\"#g\"><bind_material><technique_common><instance_material symbol=\"m\" "
+               "target=\"#m\"/></technique_common></bind_material></instance_geometry>");
+  return text;
+}
+
+bool has_notice(const Model& model, const std::string& text) {
+  for (const std::string& notice : model.notices) {
+    if (notice.find(text) != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST_F(ImportOtherFormats, AnOpacityOfZeroIsReadAsOpaque) {
+  const auto with = [&](const std::string& transparency) {
+    return load("o.dae",
+                collada_with("<diffuse><color>1 0 0 1</color></diffuse><transparent opaque=\"A_ONE\"><color>1 1 1 1"
+                             "</color></transparent><transparency><float>" +
+                                 transparency + "</float></transparency>",
+                             "absent.png"));
+  };
+  const Model invisible = with("0");
+  const Material& shown = invisible.materials.at(invisible.parts.at(0).material);
+  EXPECT_EQ(shown.base_colour, (std::array<float, 4>{1, 0, 0, 1}));
+  EXPECT_EQ(shown.alpha_mode, AlphaMode::opaque);
+  EXPECT_TRUE(has_notice(invisible, "read: opacity 0 of material \"m\" as 1"));
+  const Model glass = with("0.25");
+  EXPECT_EQ(glass.materials.at(glass.parts.at(0).material).base_colour[3], 0.25f);
+  EXPECT_EQ(glass.materials.at(glass.parts.at(0).material).alpha_mode, AlphaMode::blend);
+  EXPECT_FALSE(has_notice(glass, "opacity"));
+}
+
+TEST_F(ImportOtherFormats, ATextureThatIsMissingLeavesTheFactor) {
+  const std::string phong =
+      "<emission><texture texture=\"t\" texcoord=\"u\"/></emission><diffuse><texture texture=\"t\" "
+      "texcoord=\"u\"/></diffuse>";
+  const Model model = load("t.dae", collada_with(phong, "far/away.png"));
+  EXPECT_EQ(model.textures.size(), 0u);
+  const Material& material = model.materials.at(model.parts.at(0).material);
+  EXPECT_EQ(material.base_colour_texture, kNone);
+  EXPECT_EQ(material.emissive_texture, kNone);
+  EXPECT_EQ(material.base_colour[3], 1.0f);
+  EXPECT_TRUE(has_notice(model, "ignored: texture \"far/away.png\" of material \"m\", whose file is missing"));
+  std::ofstream(folder_ / "away.png", std::ios::binary) << "no picture";
+  EXPECT_THROW(load("t.dae", collada_with(phong, "far/away.png")), InputError) << "damaged is another matter";
+}
+
 TEST_F(ImportOtherFormats, WhatIsNotFiniteIsNamed) {
   try {
     load("n.ply",

@@ -21,6 +21,7 @@
 #include "recorder/subpixel_recorder.h"
 #include "replay/scene/textures.hpp"
 #include "tests/unit/capture_fixture.hpp"
+#include "tests/unit/memory_faults.hpp"
 
 namespace subpixel::capture {
 namespace {
@@ -641,6 +642,39 @@ TEST_F(RecorderC, MoreThanMostBytesIsRefusedAndTheRestIsThere) {
          "passes 8000 bytes");
   record_frame();
   EXPECT_EQ(finished().frames.size(), 1u);
+}
+
+// A frame that is refused, or has no memory, has ended, and the recording goes on.
+TEST_F(RecorderC, AFrameThatIsRefusedIsDroppedWhole) {
+  subpixel_options options = initialised(subpixel_options_init);
+  options.most_bytes = 8000;
+  create(&options);
+  add_triangle();
+  record_frame();
+  ASSERT_EQ(subpixel_recorder_begin_frame(recorder_, &frame_), SUBPIXEL_OK);
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(subpixel_recorder_draw(recorder_, &draw_), SUBPIXEL_OK);
+  expect(subpixel_recorder_end_frame(recorder_), SUBPIXEL_BAD_ARGUMENT, "passes 8000 bytes");
+  expect(subpixel_recorder_end_frame(recorder_), SUBPIXEL_BAD_ORDER, "none has begun");
+  expect(subpixel_recorder_draw(recorder_, &draw_), SUBPIXEL_BAD_ORDER, "no frame has begun");
+  ASSERT_EQ(subpixel_recorder_begin_frame(recorder_, &frame_), SUBPIXEL_OK);
+  subpixel_status status = SUBPIXEL_OK;
+  {
+    const tests::MemoryFault fault(0);
+    status = subpixel_recorder_end_frame(recorder_);
+  }
+  expect(status, SUBPIXEL_NO_MEMORY, "no memory");
+  std::uint32_t number = 0;
+  const float other[] = {1, 2, 3};
+  {
+    const tests::MemoryFault fault(2);
+    status = subpixel_recorder_add_buffer(recorder_, "other", other, sizeof other, &number);
+  }
+  expect(status, SUBPIXEL_NO_MEMORY, "no memory");
+  EXPECT_EQ(number, SUBPIXEL_NONE);
+  ASSERT_EQ(subpixel_recorder_add_buffer(recorder_, "other", other, sizeof other, &number), SUBPIXEL_OK) << error();
+  EXPECT_EQ(number, 1u);
+  record_frame();
+  EXPECT_EQ(finished().frames.size(), 2u);
 }
 
 TEST_F(RecorderC, ErrorsAreTheThreadsOwn) {

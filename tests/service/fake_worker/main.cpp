@@ -1,6 +1,6 @@
 // A stand-in for `subpixel worker` and `subpixel info`: it speaks the worker protocol without a device and goes wrong
 // on request. Its "captures" are text: "FAKE " and a JSON object that says how to behave:
-//   title, frames       what `info` reports
+//   title, frames, notices   what `info` reports
 //   result_ms           how long each result takes
 //   fail_at, how        before result number fail_at (from 0, skipped ones counted): see misbehave()
 //   log                 a file that gets a line "frame/technique" for each result measured
@@ -207,6 +207,7 @@ int info(const std::string& path) {
                     {"width", fake.value("width", 64)},
                     {"height", fake.value("height", 36)},
                     {"triangles", 1234},
+                    {"notices", fake.value("notices", json::array())},
                     {"features", {"textures", "alpha test"}}}
                    .dump(2)
             << "\n";
