@@ -18,6 +18,7 @@
 #include "base/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/progress_line.hpp"
+#include "replay/gpu/device.hpp"
 #include "replay/replay.hpp"
 #include "replay/results/plots.hpp"
 #include "replay/results/results_file.hpp"
@@ -29,7 +30,7 @@ namespace {
 using namespace subpixel::replay;
 
 struct ReplayFlags {
-  std::string file, techniques, frames, size, json_file, out = "out", cache, capture_frame;
+  std::string file, techniques, frames, size, json_file, out = "out", cache, capture_frame, device;
   bool validate = false;
   std::uint32_t samples = 8, repeat = 3, reference_samples = 512;
   std::optional<std::uint32_t> point_lights;
@@ -97,6 +98,7 @@ std::size_t print_validation(const std::vector<std::string>& messages) {
 
 int replay(const ReplayFlags& flags) {
   ReplayInspection inspection;
+  inspection.device = flags.device;
   std::vector<std::string> messages;
   if (flags.validate) inspection.validation_messages = &messages;
   if (!flags.capture_frame.empty()) {
@@ -176,6 +178,18 @@ int list_techniques(bool json) {
   return 0;
 }
 
+int list_devices() {
+  const std::vector<gpu::VulkanDevice> devices = gpu::vulkan_devices();
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const gpu::VulkanDevice& device = devices[i];
+    const std::string state = !device.missing.empty()
+                                  ? fmt::format("lacks {}", fmt::join(device.missing, ", "))
+                                  : device.is_lavapipe ? "taken by default" : "has what passes need";
+    fmt::print("{} {}: {}\n", i, printable(device.name), state);
+  }
+  return 0;
+}
+
 }  // namespace
 
 void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
@@ -183,6 +197,10 @@ void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
   const auto json = std::make_shared<bool>(false);
   list->add_flag("--json", *json, "Print the registry as one JSON document");
   list->callback([&action, json] { action = [json] { return list_techniques(*json); }; });
+
+  app.add_subcommand("devices", "List the Vulkan devices, and what each lacks")->callback([&action] {
+    action = &list_devices;
+  });
 
   CLI::App* run = app.add_subcommand("replay", "Replay a capture through techniques and measure them");
   const auto flags = std::make_shared<ReplayFlags>();
@@ -205,6 +223,8 @@ void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
   run->add_option("--json", flags->json_file,
                   "Results file (default OUT/results.json); - prints it instead of the table");
   run->add_option("--cache", flags->cache, "Folder of cached references (default OUT/cache)");
+  run->add_option("--device", flags->device,
+                  "Number, or part of the name, of a device that `subpixel devices` lists; lavapipe when absent");
   run->add_flag(
       "--validate", flags->validate,
       "Run under the Vulkan validation layer (Debian: vulkan-validationlayers), slowly; its errors end with 70");

@@ -10,6 +10,7 @@ namespace subpixel::replay {
 
 gpu::DeviceOptions device_options(const ReplayInspection& inspection) {
   gpu::DeviceOptions options;
+  options.device = inspection.device;
   options.names = inspection.capture.has_value();
   options.validation_messages = inspection.validation_messages;
   return options;

@@ -19,8 +19,9 @@ struct ReplayEvents {
   std::function<void(std::uint32_t ordinal, const FrameResult&)> result;
 };
 
-// What lets one see inside a replay. None of it changes a result.
+// What lets one see inside a replay. None of it changes a result but the device.
 struct ReplayInspection {
+  std::string device;  // gpu::DeviceOptions::device
   // Takes what the Vulkan validation layer says, as gpu::Instance puts it, until the replay has ended.
   std::vector<std::string>* validation_messages = nullptr;
   // RenderDoc captures one more run of this technique's passes on this frame, after the timed ones, into out_dir.

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-
+#include <cctype>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -77,7 +77,6 @@ struct FeatureNeed {
   VkBool32& (*get)(Features&);
 };
 constexpr FeatureNeed kNeeds[] = {
-    {"shaderInt64", [](Features& f) -> VkBool32& { return f.core.features.shaderInt64; }},
     {"shaderFloat64", [](Features& f) -> VkBool32& { return f.core.features.shaderFloat64; }},
     {"fragmentStoresAndAtomics", [](Features& f) -> VkBool32& { return f.core.features.fragmentStoresAndAtomics; }},
     {"multiDrawIndirect", [](Features& f) -> VkBool32& { return f.core.features.multiDrawIndirect; }},
@@ -85,7 +84,6 @@ constexpr FeatureNeed kNeeds[] = {
     {"independentBlend", [](Features& f) -> VkBool32& { return f.core.features.independentBlend; }},
     {"depthClamp", [](Features& f) -> VkBool32& { return f.core.features.depthClamp; }},
     {"bufferDeviceAddress", [](Features& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
-    {"shaderBufferInt64Atomics", [](Features& f) -> VkBool32& { return f.v12.shaderBufferInt64Atomics; }},
     {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
     {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},  // LocalSizeId, which glslang emits
     {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
@@ -144,7 +142,60 @@ std::string device_name(VkPhysicalDevice physical) {
   return properties.deviceName;
 }
 
+std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
+  std::uint32_t count = 0;
+  const VkResult found = vkEnumeratePhysicalDevices(instance, &count, nullptr);
+  if (found == VK_ERROR_INITIALIZATION_FAILED || (found == VK_SUCCESS && count == 0))
+    throw DeviceError("device", "none of the installed Vulkan drivers has a device (lavapipe: mesa-vulkan-drivers)",
+                      "vkEnumeratePhysicalDevices");
+  check(found, "vkEnumeratePhysicalDevices");
+  std::vector<VkPhysicalDevice> devices(count);
+  check(vkEnumeratePhysicalDevices(instance, &count, devices.data()), "vkEnumeratePhysicalDevices");
+  return devices;
+}
+
+VkPhysicalDevice first_lavapipe(const std::vector<VkPhysicalDevice>& devices) {
+  std::string refused;
+  for (VkPhysicalDevice device : devices) {
+    const std::string before = refused.empty() ? "" : "; ";
+    if (!is_lavapipe(device)) {
+      refused += fmt::format("{}{} is not lavapipe", before, device_name(device));
+      continue;
+    }
+    const auto missing = missing_needs(device);
+    if (missing.empty()) return device;
+    refused += fmt::format("{}{} lacks {}", before, device_name(device), fmt::join(missing, ", "));
+  }
+  // RenderDoc hides buffer addresses, and with them Vulkan 1.3, where it can't capture them: on lavapipe, so far.
+  if (RenderDoc::of_process()) refused += ", as RenderDoc shows it";
+  throw DeviceError("device", "no usable Vulkan device: " + refused, "feature probe");
+}
+
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+VkPhysicalDevice named_device(const std::vector<VkPhysicalDevice>& devices, const std::string& wanted) {
+  std::string all;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const std::string name = device_name(devices[i]);
+    if (wanted == std::to_string(i) || lower_case(name).find(lower_case(wanted)) != std::string::npos)
+      return devices[i];
+    all += fmt::format("{}{} {}", all.empty() ? "" : ", ", i, name);
+  }
+  throw DeviceError("device", fmt::format("none is '{}'; there are: {}", wanted, all), "--device");
+}
+
 }  // namespace
+
+std::vector<VulkanDevice> vulkan_devices() {
+  const Instance instance(false, nullptr);
+  std::vector<VulkanDevice> found;
+  for (VkPhysicalDevice device : physical_devices(instance.get()))
+    found.push_back({device_name(device), is_lavapipe(device), missing_needs(device)});
+  return found;
+}
 
 void check(VkResult result, std::string_view call) {
   if (result >= VK_SUCCESS) return;
@@ -161,30 +212,15 @@ Device::Device(const DeviceOptions& options)
 }
 
 void Device::choose_physical(const DeviceOptions& options) {
-  std::uint32_t count = 0;
-  const VkResult found = vkEnumeratePhysicalDevices(instance_.get(), &count, nullptr);
-  if (found == VK_ERROR_INITIALIZATION_FAILED || (found == VK_SUCCESS && count == 0))
-    throw DeviceError("device", "none of the installed Vulkan drivers has a device (lavapipe: mesa-vulkan-drivers)",
-                      "vkEnumeratePhysicalDevices");
-  check(found, "vkEnumeratePhysicalDevices");
-  std::vector<VkPhysicalDevice> devices(count);
-  check(vkEnumeratePhysicalDevices(instance_.get(), &count, devices.data()), "vkEnumeratePhysicalDevices");
-  std::string refused;
-  for (VkPhysicalDevice device : devices) {
-    if (!options.any_device && !is_lavapipe(device)) {
-      refused += fmt::format("{}{} is not lavapipe", refused.empty() ? "" : "; ", device_name(device));
-      continue;
-    }
-    const auto missing = missing_needs(device);
-    if (missing.empty()) {
-      physical_ = device;
-      break;
-    }
-    refused += fmt::format("{}{} lacks {}", refused.empty() ? "" : "; ", device_name(device), fmt::join(missing, ", "));
+  const std::vector<VkPhysicalDevice> devices = physical_devices(instance_.get());
+  if (!options.device.empty()) {
+    physical_ = named_device(devices, options.device);
+    if (const auto missing = missing_needs(physical_); !missing.empty())
+      throw DeviceError("device", fmt::format("{} lacks {}", device_name(physical_), fmt::join(missing, ", ")),
+                        "feature probe");
+  } else {
+    physical_ = first_lavapipe(devices);
   }
-  // RenderDoc hides buffer addresses, and with them Vulkan 1.3, where it can't capture them: on lavapipe, so far.
-  if (RenderDoc::of_process()) refused += ", as RenderDoc shows it";
-  if (!physical_) throw DeviceError("device", "no usable Vulkan device: " + refused, "feature probe");
 
   VkPhysicalDeviceVulkan12Properties v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
   VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES, &v12};

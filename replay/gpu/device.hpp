@@ -15,7 +15,9 @@
 namespace subpixel::gpu {
 
 struct DeviceOptions {
-  bool any_device = false;  // false: lavapipe only, so that results are comparable from machine to machine
+  // The one of this number (vulkan_devices()), or the first whose name has this in it; empty: lavapipe, so that results
+  // are comparable from machine to machine.
+  std::string device;
   // The folder all shaders are read from instead of the embedded ones (ShaderLibrary); empty: those.
   std::filesystem::path shaders = shader_folder_of_environment();
   bool names = false;  // of buffers, images, pipelines and passes reach Vulkan, for RenderDoc and layers
@@ -32,11 +34,20 @@ struct DeviceInfo {
   bool pixel_interlock = false;  // VK_EXT_fragment_shader_interlock: ordered passes use it for state in buffers
 };
 
+// A device that Vulkan has, in the order of its loader.
+struct VulkanDevice {
+  std::string name;
+  bool is_lavapipe = false;
+  std::vector<std::string> missing;  // of what passes need
+};
+// Throws DeviceError when there is no Vulkan or no device.
+std::vector<VulkanDevice> vulkan_devices();
+
 class PipelineCache;
 
 class Device {
  public:
-  // Throws DeviceError when there is no Vulkan, no suitable device, or a feature is missing (all missing are named)
+  // Throws DeviceError when there is no Vulkan, no such device, or a feature is missing (all missing are named)
   // or the validation layer is wanted and not installed; InputError when a shader of the folder is missing or broken.
   explicit Device(const DeviceOptions& options = {});
   ~Device();

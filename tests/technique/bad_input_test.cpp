@@ -145,6 +145,11 @@ TEST_F(BadInput, NoLavapipe) {
                "VK_ICD_FILENAMES=" + other.string() + " VK_DRIVER_FILES=" + other.string());
 }
 
+TEST_F(BadInput, ADeviceThatIsNotThere) {
+  for (const char* wanted : {"99", "abacus"})
+    expect_error(kReplay + "--techniques noaa --device " + wanted, 4, {"device", wanted, "0 "});
+}
+
 TEST_F(BadInput, FullDisk) {
   // A file may hold one block; what goes over fails like a full disk, with SIGXFSZ ignored.
   expect_error("generate grass big.spcap --frames 1", 3, {"big.spcap"}, "", "trap '' XFSZ; ulimit -f 8; ");

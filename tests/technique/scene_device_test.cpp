@@ -127,6 +127,20 @@ TEST(SceneDevice, WhatCantBeUsedIsNamed) {
   EXPECT_NO_THROW(GpuScene(test_device(), broken, {}));
 }
 
+TEST(SceneDevice, IsTakenByNumberOrByAPartOfItsName) {
+  const auto devices = gpu::vulkan_devices();
+  std::size_t lavapipe = 0;
+  while (lavapipe < devices.size() && !devices[lavapipe].is_lavapipe) ++lavapipe;
+  ASSERT_LT(lavapipe, devices.size());
+  EXPECT_TRUE(devices[lavapipe].missing.empty());
+  for (const std::string& wanted : {std::to_string(lavapipe), std::string("LLVMpipe")}) {
+    gpu::DeviceOptions options;
+    options.device = wanted;
+    const gpu::Device device(options);
+    EXPECT_EQ(device.info().device, devices[lavapipe].name) << wanted;
+  }
+}
+
 TEST(SceneDevice, OnlyShadowsPayForAShadowMap) {
   auto capture = flat_capture(8, 8);
   add_triangles(capture, rectangle(-1, -1, 1, 1, 0), add_emitter(capture, {1, 1, 1}));
