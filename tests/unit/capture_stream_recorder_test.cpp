@@ -464,6 +464,34 @@ TEST_F(CaptureStreamRecorder, NoMemoryForACallLeavesAllAsItWas) {
   EXPECT_GT(allocations, 8);
 }
 
+// The same where the call is not made again: no bytes are left that nothing refers to, which a reader would refuse.
+TEST_F(CaptureStreamRecorder, WhatHadNoMemoryLeavesNothingBehind) {
+  const std::vector<std::byte> bytes(50, std::byte{9});
+  const Texture texture{"lost", TextureEncoding::rgba8, true, 1, 2, std::vector<std::byte>(8, std::byte{7}), {}};
+  bool is_lost = true;
+  std::int64_t allocations = 0;
+  for (; is_lost; ++allocations) {
+    SCOPED_TRACE(allocations);
+    ASSERT_LT(allocations, 1000);
+    is_lost = false;
+    StreamRecorder recorder(Metadata{}, path_);
+    const auto lose = [&](auto call) {
+      try {
+        const tests::MemoryFault fault(allocations);
+        call();
+      } catch (const std::bad_alloc&) {
+        is_lost = true;
+      }
+    };
+    lose([&] { recorder.add_buffer("lost", bytes); });
+    lose([&] { recorder.add_texture(texture); });
+    record_frame(recorder, 0);
+    recorder.finish();
+    ASSERT_EQ(read_capture(path_).frames.size(), 1u);
+  }
+  EXPECT_GT(allocations, 8);
+}
+
 TEST_F(CaptureStreamRecorder, AFullDiskIsSaid) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
   EXPECT_THROW(StreamRecorder(Metadata{}, folder_ / "absent" / "x.spcap"), InputError);
