@@ -10,6 +10,7 @@
 #include "replay/results/limits.hpp"
 #include "replay/techniques/registry.hpp"
 #include "server/http_error.hpp"
+#include "server/upload.hpp"
 #include "web/embedded.hpp"
 
 namespace subpixel::server {
@@ -19,6 +20,16 @@ constexpr std::uint64_t kMaxOtherBodyBytes = 1 << 20;
 
 bool is_reading(const httplib::Request& request) {
   return request.method == "GET" || request.method == "HEAD";
+}
+
+// The length of a request's body, 0 without a Content-Length. Throws HttpError 400 for one that is no number.
+std::uint64_t content_length(const httplib::Request& request) {
+  if (!request.has_header("Content-Length")) return 0;  // RFC 9112, section 6.3: no length, no body
+  const auto length = parse_number<std::uint64_t>(request.get_header_value("Content-Length"));
+  if (!length) {
+    throw HttpError(400, "the request is malformed", "Content-Length is no number", "header Content-Length");
+  }
+  return *length;
 }
 
 }  // namespace
@@ -38,28 +49,17 @@ std::int64_t parse_id(const std::string& text) {
   return parse_number<std::int64_t>(text).value_or(-1);
 }
 
-std::uint64_t content_length(const httplib::Request& request) {
-  if (!request.has_header("Content-Length")) return 0;  // RFC 9112, section 6.3: no length, no body
-  const auto length = parse_number<std::uint64_t>(request.get_header_value("Content-Length"));
-  if (!length) {
-    throw HttpError(400, "the request is malformed", "Content-Length is no number", "header Content-Length");
-  }
-  return *length;
+void route_post(HttpServer& http, const std::string& pattern, const httplib::Server::Handler& handler) {
+  http.Post(pattern, [handler](const httplib::Request& request, httplib::Response& response,
+                               const httplib::ContentReader&) { handler(request, response); });
 }
 
-std::string read_json_body(const httplib::Request& request, const httplib::ContentReader& read,
-                           const std::string& what) {
+std::string read_json_body(const httplib::Request& request, const std::string& what) {
   const std::string type = request.get_header_value("Content-Type");
   if (type.substr(0, type.find(';')) != "application/json") {
     throw HttpError(415, what + " is refused", "the body must be JSON", "header Content-Type: application/json");
   }
-  std::string body;
-  const bool whole = read([&](const char* bytes, std::size_t size) {
-    body.append(bytes, size);
-    return body.size() <= kMaxOtherBodyBytes;
-  });
-  if (!whole) throw HttpError(400, "the request is incomplete", "its body ended early", "body");
-  return body;
+  return Exchange::current().body().text();
 }
 
 Api::Api(const ServiceOptions& options, const DataFolder& folder, Store& store, RunEvents& events, JobQueue& queue)
@@ -130,10 +130,21 @@ void Api::route(HttpServer& http) {
   route_runs(http);
   route_nights(http);
   route_web(http);
-  // The library would read the body of a POST without a route into memory before it answered 404.
-  http.Post(".*", [](const Request& request, Response& response, const httplib::ContentReader&) {
+  route_post(http, ".*", [](const Request& request, Response& response) {
     write_error(response, HttpError(404, "there is no such page", "nothing takes a POST here", request.path));
   });
+}
+
+void Api::serve(HttpServer& http) {
+  const auto open_body = [this](std::uint64_t length) {
+    if (folder_.free_bytes() < length + options_.reserved_bytes) {
+      throw HttpError(507, "the body can't be stored", "the disk has too little room", "data folder");
+    }
+    return std::make_unique<Upload>(folder_);
+  };
+  http.serve(
+      open_body, [this](std::int64_t run, std::int64_t last_seen) { return run_news(run, last_seen); },
+      ": still here\n\n");
 }
 
 void Api::check_request(const Request& request) const {

@@ -25,6 +25,8 @@ class Api {
 
   // Sets every route, limit and header of `http`.
   void route(HttpServer& http);
+  // Answers until `http` is shut down.
+  void serve(HttpServer& http);
   // Ends inspections of uploads that are under way.
   void stop() { stop_.request_stop(); }
 
@@ -39,20 +41,20 @@ class Api {
   void get_health(Response& response) const;
   // api_captures.cpp
   void route_captures(HttpServer& http);
-  void post_capture(const Request& request, Response& response, const httplib::ContentReader& read);
+  void post_capture(const Request& request, Response& response);
   void delete_capture(const std::string& hash, Response& response);
   void send_capture_file(const Request& request, const std::string& hash, Response& response) const;
   void send_blob(const Request& request, const std::string& hash, Response& response) const;
-  void post_tags(const std::string& hash, const Request& request, Response& response,
-                 const httplib::ContentReader& read);
+  void post_tags(const std::string& hash, const Request& request, Response& response);
   // api_runs.cpp
   void route_runs(HttpServer& http);
-  void post_run(const Request& request, Response& response, const httplib::ContentReader& read);
+  void post_run(const Request& request, Response& response);
   // The newest run with the same request that has not failed or been cancelled.
   std::optional<RunRecord> equal_run(const std::string& capture, const replay::ReplayOptions& options) const;
   void list_runs(const Request& request, Response& response) const;
   void cancel_run(std::int64_t id, Response& response);
   void send_events(std::int64_t id, const Request& request, Response& response);
+  std::optional<News> run_news(std::int64_t id, std::int64_t last_seen) const;
   void send_plots(const Request& request, Response& response) const;
   void send_advice(const Request& request, Response& response) const;
   replay::Results measured(const RunRecord& run) const;
@@ -62,7 +64,7 @@ class Api {
   void route_nights(HttpServer& http);
   void list_nights(const Request& request, Response& response) const;
   void send_cell(const NightRecord& night, std::int64_t cell, Response& response) const;
-  void post_baseline(const Request& request, Response& response, const httplib::ContentReader& read);
+  void post_baseline(const Request& request, Response& response);
   NightRecord find_night(const std::string& id) const;
 
   const ServiceOptions& options_;
@@ -73,8 +75,8 @@ class Api {
   JobQueue& queue_;
   OwnNames names_;
   std::stop_source stop_;
-  std::atomic<int> streams_{0};  // clients that follow a run
-  std::mutex captures_mutex_;    // a capture's file and its record come and go together
+  std::atomic<std::size_t> followers_{0};  // clients that follow a run
+  std::mutex captures_mutex_;              // a capture's file and its record come and go together
 };
 
 // A whole number from the query, `absent` without it. Throws HttpError 400 outside of [minimum, maximum].
@@ -84,12 +86,12 @@ std::int64_t query_number(const httplib::Request& request, const std::string& na
 // The number in a path, -1 for one that is none.
 std::int64_t parse_id(const std::string& text);
 
-// The length of a request's body, 0 without a Content-Length. Throws HttpError 400 for one that is no number.
-std::uint64_t content_length(const httplib::Request& request);
+// Routes a POST, with a body or without. The library would read the body into memory otherwise; ours is in the
+// exchange (http_exchange.hpp).
+void route_post(HttpServer& http, const std::string& pattern, const httplib::Server::Handler& handler);
 
 // The body of a request that must be JSON; `what` is what it asks for. Throws HttpError 415 for another content type,
-// which a page of another site could send unasked, and 400 when it ends early.
-std::string read_json_body(const httplib::Request& request, const httplib::ContentReader& read,
-                           const std::string& what);
+// which a page of another site could send unasked, and as Exchange::body() does.
+std::string read_json_body(const httplib::Request& request, const std::string& what);
 
 }  // namespace subpixel::server

@@ -52,9 +52,8 @@ std::string display_name(const std::string& given) {
 }  // namespace
 
 void Api::route_captures(HttpServer& http) {
-  http.Post("/api/captures", [this](const Request& request, Response& response, const httplib::ContentReader& read) {
-    post_capture(request, response, read);
-  });
+  route_post(http, "/api/captures",
+             [this](const Request& request, Response& response) { post_capture(request, response); });
   http.Get("/api/captures", [this](const Request& request, Response& response) {
     const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListedCaptures, 100));
     const auto offset = static_cast<std::uint64_t>(query_number(request, "offset", 0, INT64_MAX, 0));
@@ -75,41 +74,20 @@ void Api::route_captures(HttpServer& http) {
   http.Get("/api/captures/([0-9a-f]{32})/file", [this](const Request& request, Response& response) {
     send_capture_file(request, request.matches[1], response);
   });
-  http.Post("/api/captures/([0-9a-f]{32})/tags",
-            [this](const Request& request, Response& response, const httplib::ContentReader& read) {
-              post_tags(request.matches[1], request, response, read);
-            });
+  route_post(http, "/api/captures/([0-9a-f]{32})/tags",
+             [this](const Request& request, Response& response) { post_tags(request.matches[1], request, response); });
   http.Delete("/api/captures/([0-9a-f]{32})",
               [this](const Request& request, Response& response) { delete_capture(request.matches[1], response); });
   http.Get("/api/blobs/([0-9a-f]{32})",
            [this](const Request& request, Response& response) { send_blob(request, request.matches[1], response); });
 }
 
-void Api::post_capture(const Request& request, Response& response, const httplib::ContentReader& read) {
+void Api::post_capture(const Request& request, Response& response) {
   if (request.is_multipart_form_data()) {
     throw HttpError(415, "the upload is refused", "the body must be the capture's bytes, not a form",
                     "header Content-Type");
   }
-  const std::uint64_t length = content_length(request);
-  if (folder_.free_bytes() < length + options_.reserved_bytes) {
-    throw HttpError(507, "the capture can't be stored", "the disk has too little room", "data folder");
-  }
-  Upload upload(folder_);
-  std::exception_ptr failure;  // must not pass through the library's reader
-  const bool whole = read([&](const char* bytes, std::size_t size) {
-    try {
-      upload.append({bytes, size});
-      return true;
-    } catch (...) {
-      failure = std::current_exception();
-      return false;
-    }
-  });
-  if (failure) std::rethrow_exception(failure);
-  if (!whole || upload.size_bytes() != length) {
-    throw HttpError(400, "the upload is incomplete", fmt::format("{} of {} bytes arrived", upload.size_bytes(), length),
-                    "body");
-  }
+  Upload& upload = Exchange::current().body();
   const std::string hash = upload.finish();
   std::optional<CaptureRecord> capture = store_.capture(hash);
   CaptureRecord inspected;
@@ -136,11 +114,9 @@ void Api::post_capture(const Request& request, Response& response, const httplib
   write_json(response, added ? 201 : 200, capture_json(*capture));
 }
 
-void Api::post_tags(const std::string& hash, const Request& request, Response& response,
-                    const httplib::ContentReader& read) {
+void Api::post_tags(const std::string& hash, const Request& request, Response& response) {
   const std::string what = "tags";
-  const nlohmann::json document =
-      parse_json_document(read_json_body(request, read, "the list of tags"), what, "the body");
+  const nlohmann::json document = parse_json_document(read_json_body(request, "the list of tags"), what, "the body");
   const JsonField top(document, what);
   check_names(top, {"tags"}, what, "top level");
   const JsonField list = top.member("tags");
@@ -176,39 +152,35 @@ void Api::delete_capture(const std::string& hash, Response& response) {
 void Api::send_capture_file(const Request& request, const std::string& hash, Response& response) const {
   const std::optional<CaptureRecord> capture = store_.capture(hash);
   if (!capture) throw no_capture(hash);
-  struct File {
-    explicit File(const std::filesystem::path& path) : fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
-    ~File() { ::close(fd); }
-    File(const File&) = delete;
-    File& operator=(const File&) = delete;
-    int fd;
-  };
-  const auto file = std::make_shared<const File>(folder_.capture(hash));
+  const auto file = std::make_shared<const OpenFile>(::open(folder_.capture(hash).c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status {};
-  if (file->fd < 0 || ::fstat(file->fd, &status) != 0) {
+  if (file->descriptor() < 0 || ::fstat(file->descriptor(), &status) != 0) {
     throw HttpError(500, "the capture can't be read", "its file is missing", hash);
   }
   const std::optional<BytePart> part =
       choose_bytes(request, response, static_cast<std::uint64_t>(status.st_size), "\"" + hash + "\"");
   if (!part) return;
   response.set_header("Content-Disposition", fmt::format("attachment; filename=\"{}.spcap\"", hash));
-  response.set_content_provider(
-      part->length, "application/octet-stream",
-      [file, first = part->first](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-        std::vector<char> block(std::min<std::size_t>(length, std::size_t{1} << 18));
-        const ssize_t got = ::pread(file->fd, block.data(), block.size(), static_cast<off_t>(first + offset));
-        return got > 0 && sink.write(block.data(), static_cast<std::size_t>(got));
-      });
+  response.set_content_provider(part->length, "application/octet-stream",
+                                [file, part = *part](std::size_t, std::size_t, httplib::DataSink&) {
+                                  Exchange::current().send_file(file, part.first, part.length);
+                                  return false;
+                                });
 }
 
 void Api::send_blob(const Request& request, const std::string& hash, Response& response) const {
-  const std::optional<Blob> blob = store_.blob(hash);
+  const std::optional<BlobInfo> blob = store_.blob_info(hash);
   if (!blob) throw HttpError(404, "there is no such blob", "none has this hash", hash);
   // The name is the content's hash, so what it names never changes.
   response.set_header("Cache-Control", "private, max-age=31536000, immutable");
-  const std::optional<BytePart> part = choose_bytes(request, response, blob->bytes.size(), "\"" + hash + "\"");
+  const std::optional<BytePart> part = choose_bytes(request, response, blob->size_bytes, "\"" + hash + "\"");
   if (!part) return;
-  response.set_content(blob->bytes.substr(part->first, part->length), blob->media_type);
+  // Piece by piece: images may be large, and many clients may ask for them at once.
+  response.set_content_provider(
+      part->length, blob->media_type, [this, hash, part = *part](std::size_t, std::size_t, httplib::DataSink& sink) {
+        return store_.read_blob(hash, part.first, part.length,
+                                [&](std::string_view bytes) { return sink.write(bytes.data(), bytes.size()); });
+      });
 }
 
 }  // namespace subpixel::server

@@ -84,9 +84,8 @@ void Api::route_nights(HttpServer& http) {
     response.set_header("Cache-Control", "no-store");
     write_json(response, 200, {{"baselines", list}});
   });
-  http.Post("/api/baselines", [this](const Request& request, Response& response, const httplib::ContentReader& read) {
-    post_baseline(request, response, read);
-  });
+  route_post(http, "/api/baselines",
+             [this](const Request& request, Response& response) { post_baseline(request, response); });
 }
 
 NightRecord Api::find_night(const std::string& id) const {
@@ -133,9 +132,9 @@ void Api::send_cell(const NightRecord& night, std::int64_t cell, Response& respo
   write_json(response, 200, document);
 }
 
-void Api::post_baseline(const Request& request, Response& response, const httplib::ContentReader& read) {
+void Api::post_baseline(const Request& request, Response& response) {
   const std::string what = "baseline";
-  const json document = parse_json_document(read_json_body(request, read, "the baseline"), what, "the body");
+  const json document = parse_json_document(read_json_body(request, "the baseline"), what, "the body");
   const JsonField top(document, what);
   check_names(top, {"name", "night"}, what, "top level");
   const std::string name = top.member("name").text();

@@ -20,8 +20,6 @@ using nlohmann::json;
 
 constexpr std::int64_t kMaxListedRuns = 200;
 constexpr std::uint32_t kResultsAtATime = 32;
-constexpr std::chrono::milliseconds kHeartbeat{10'000};
-constexpr int kMaxStreams = 48;  // below the number of connections, so that plain requests always get through
 
 json text_or_null(const std::string& text) {
   return text.empty() ? json(nullptr) : json(text);
@@ -62,75 +60,10 @@ std::optional<double> query_amount(const httplib::Request& request, const std::s
   return value;
 }
 
-// One client that follows one run. Each step waits for a change, then sends what is new.
-class EventStream {
- public:
-  EventStream(Store& store, RunEvents& events, std::int64_t run, std::int64_t last_seen)
-      : store_(store), events_(events), run_(run), sent_(last_seen) {}
-
-  // False ends the connection.
-  bool step(httplib::DataSink& sink) {
-    if (finished_) {
-      sink.done();
-      return true;
-    }
-    if (started_) {
-      events_.wait(run_, seen_, kWait);
-      if (events_.closed() || !sink.is_writable()) return false;
-      if (events_.version(run_) == seen_) return heartbeat(sink);
-    }
-    started_ = true;
-    seen_ = events_.version(run_);  // before reading: a change in between is seen next time
-    return send_news(sink);
-  }
-
- private:
-  static constexpr std::chrono::milliseconds kWait{500};  // also how late a gone client is noticed
-
-  bool heartbeat(httplib::DataSink& sink) {
-    idle_ += kWait;
-    if (idle_ < kHeartbeat) return true;
-    idle_ = {};
-    return write(sink, ": still here\n\n");
-  }
-
-  bool send_news(httplib::DataSink& sink) {
-    idle_ = {};
-    // The status is read before the results: when it is final, the results that follow are all there are.
-    const std::optional<RunRecord> run = store_.run(run_);
-    if (!run) return false;
-    while (true) {
-      const std::vector<StoredResult> results = store_.results_after(run_, sent_, kResultsAtATime);
-      for (const StoredResult& result : results) {
-        const json data = {
-            {"sequence", result.sequence}, {"ordinal", result.technique_ordinal}, {"result", result.document}};
-        if (!write(sink, event_text("result", data, result.sequence))) return false;
-        sent_ = result.sequence;
-      }
-      if (results.size() < kResultsAtATime) break;
-    }
-    const json status = status_json(*run, events_.progress(run_));
-    finished_ = is_final(run->status);
-    return write(sink, event_text("status", status)) && (!finished_ || write(sink, event_text("end", status)));
-  }
-
-  static bool write(httplib::DataSink& sink, const std::string& text) { return sink.write(text.data(), text.size()); }
-
-  Store& store_;
-  RunEvents& events_;
-  std::int64_t run_;
-  std::int64_t sent_;       // sequence of the last result the client has
-  std::uint64_t seen_ = 0;  // version of the run that was sent
-  std::chrono::milliseconds idle_{0};
-  bool started_ = false, finished_ = false;
-};
-
 }  // namespace
 
 void Api::route_runs(HttpServer& http) {
-  http.Post("/api/runs", [this](const Request& request, Response& response, const httplib::ContentReader& read) {
-    post_run(request, response, read);
-  });
+  route_post(http, "/api/runs", [this](const Request& request, Response& response) { post_run(request, response); });
   http.Get("/api/runs", [this](const Request& request, Response& response) { list_runs(request, response); });
   http.Get("/api/runs/([0-9]{1,18})", [this](const Request& request, Response& response) {
     response.set_header("Cache-Control", "no-store");
@@ -144,10 +77,9 @@ void Api::route_runs(HttpServer& http) {
     }
     response.status = 204;
   });
-  http.Post("/api/runs/([0-9]{1,18})/cancel",
-            [this](const Request& request, Response& response, const httplib::ContentReader&) {
-              cancel_run(find_run(request.matches[1]).id, response);
-            });
+  route_post(http, "/api/runs/([0-9]{1,18})/cancel", [this](const Request& request, Response& response) {
+    cancel_run(find_run(request.matches[1]).id, response);
+  });
   http.Get("/api/runs/([0-9]{1,18})/events", [this](const Request& request, Response& response) {
     send_events(find_run(request.matches[1]).id, request, response);
   });
@@ -248,8 +180,8 @@ std::optional<RunRecord> Api::equal_run(const std::string& capture, const replay
   }
 }
 
-void Api::post_run(const Request& request, Response& response, const httplib::ContentReader& read) {
-  const std::string body = read_json_body(request, read, "the run");
+void Api::post_run(const Request& request, Response& response) {
+  const std::string body = read_json_body(request, "the run");
   RunRequest wanted = parse_run_request(body);
   const std::optional<CaptureRecord> capture = store_.capture(wanted.capture);
   if (!capture) throw HttpError(404, "there is no such capture", "none has this hash", "capture");
@@ -290,27 +222,45 @@ void Api::send_events(std::int64_t id, const Request& request, Response& respons
                                                                : request.get_param_value("after");
   const std::int64_t last_seen = last.empty() ? 0 : parse_id(last);
   if (last_seen < 0) throw HttpError(400, "the request is refused", "the event's id is no number", "Last-Event-ID");
-  if (streams_.fetch_add(1) >= kMaxStreams) {
-    --streams_;
+  if (followers_.fetch_add(1) >= options_.http.followers) {
+    --followers_;
     response.set_header("Retry-After", "5");
     throw HttpError(503, "the progress can't be followed", "too many clients follow runs", std::to_string(id));
   }
-  const auto stream = std::make_shared<EventStream>(store_, events_, id, last_seen);
+  const std::shared_ptr<const void> place(nullptr, [this](const void*) { --followers_; });
   response.set_header("Cache-Control", "no-store");
-  response.set_header("X-Accel-Buffering", "no");  // nginx hands on at once what comes
-  const auto send = [stream](std::size_t, httplib::DataSink& sink) {
-    try {
-      return stream->step(sink);
-    } catch (const std::exception&) {
-      return false;  // the client reconnects with the id of the last event it has
-    }
+  response.set_header("X-Accel-Buffering", "no");      // nginx hands on at once what comes
+  const bool chunked = request.version != "HTTP/1.0";  // knows none: the connection's end is that of the stream
+  const auto follow = [=](std::size_t, httplib::DataSink&) {
+    Exchange::current().follow({.topic = id, .position = last_seen, .chunked = chunked, .place = place});
+    return false;
   };
-  const auto release = [this](bool) { --streams_; };
-  if (request.version == "HTTP/1.0") {  // knows no chunks: the end of the connection is that of the stream
-    response.set_content_provider("text/event-stream", send, release);
+  if (chunked) {
+    response.set_chunked_content_provider("text/event-stream", follow);
   } else {
-    response.set_chunked_content_provider("text/event-stream", send, release);
+    response.set_content_provider("text/event-stream", follow);
   }
+}
+
+std::optional<News> Api::run_news(std::int64_t id, std::int64_t last_seen) const {
+  // The status is read before the results: when it is final, the results that follow are all there are.
+  const std::optional<RunRecord> run = store_.run(id);
+  if (!run) return std::nullopt;
+  News news{.text = {}, .position = last_seen};
+  const std::vector<StoredResult> results = store_.results_after(id, last_seen, kResultsAtATime);
+  for (const StoredResult& result : results) {
+    news.text += event_text(
+        "result", {{"sequence", result.sequence}, {"ordinal", result.technique_ordinal}, {"result", result.document}},
+        result.sequence);
+    news.position = result.sequence;
+  }
+  news.more = results.size() == kResultsAtATime;
+  if (news.more) return news;
+  const json status = status_json(*run, events_.progress(id));
+  news.last = is_final(run->status);
+  news.text += event_text("status", status);
+  if (news.last) news.text += event_text("end", status);
+  return news;
 }
 
 }  // namespace subpixel::server

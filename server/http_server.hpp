@@ -1,35 +1,41 @@
-// cpp-httplib's server behind limits of our own. The library (0.11) reads header lines of any length and number into
-// memory and sets no time limit on a whole request; connections here pass through a stream that does.
+// cpp-httplib's reading of requests, its routes and its writing of answers, without its connections: the library (0.11)
+// has a thread for each, so that slow clients hold up all others, and reads headers of any length and number.
 #pragma once
 
 #include <httplib.h>
 
-#include <chrono>
-#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
+
+#include "server/http_connections.hpp"
+#include "server/http_exchange.hpp"
+#include "server/http_limits.hpp"
 
 namespace subpixel::server {
 
-struct HttpLimits {
-  std::size_t header_line_bytes = 4096;           // request line included
-  std::size_t header_bytes = 32768;               // all of a request's header
-  std::chrono::milliseconds header_time{10'000};  // from a request's first byte to its header's end
-  std::chrono::milliseconds idle_time{30'000};    // between requests, and without a byte within a body or response
-  std::size_t connections = 64;                   // at a time, each with a thread; more wait
-};
-
 class HttpServer : public httplib::Server {
  public:
-  explicit HttpServer(const HttpLimits& limits);
-  // Makes waiting connections end soon; then stops accepting.
-  void shut_down();
-  bool shutting_down() const { return shutting_down_; }
+  using NewsSource = std::function<std::optional<News>(std::int64_t topic, std::int64_t position)>;
+
+  // Answers too large for memory wait for their clients in `spill_folder`.
+  HttpServer(const HttpLimits& limits, std::filesystem::path spill_folder);
+  ~HttpServer() override;
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  // Serves the address that was bound until shut_down(), which may come before.
+  void serve(OpenBody open_body, NewsSource news, std::string heartbeat);
+  void shut_down() { connections_.stop(); }
+  // Followers of the topic are to get news. From any thread.
+  void changed(std::int64_t topic) { connections_.changed(topic); }
 
  private:
-  bool process_and_close_socket(socket_t socket) override;
+  void answer(Exchange& exchange);
 
-  HttpLimits limits_;
-  std::atomic<bool> shutting_down_{false};
+  HttpConnections connections_;
 };
 
 }  // namespace subpixel::server

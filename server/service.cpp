@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
-#include <chrono>
-#include <mutex>
-#include <thread>
+#include <cstdint>
 
 #include "base/error.hpp"
 #include "server/api.hpp"
@@ -18,21 +15,19 @@ struct Service::State {
       : options(std::move(given)),
         folder(options.data),
         store(folder.store()),
+        http(options.http, folder.uploads()),
+        events([this](std::int64_t run) { http.changed(run); }),
         queue(store, folder, events, options.worker),
-        http(options.http),
         api(options, folder, store, events, queue) {}
 
   ServiceOptions options;
   DataFolder folder;
   Store store;
+  HttpServer http;
   RunEvents events;
   JobQueue queue;
-  HttpServer http;
   Api api;
   int port = 0;
-  std::mutex mutex;  // guards the next two
-  bool started = false, stop_requested = false;
-  std::atomic<bool> ended{false};  // listening is over
 };
 
 Service::Service(ServiceOptions options) : state_(std::make_unique<State>(std::move(options))) {
@@ -55,29 +50,14 @@ int Service::port() const {
 
 void Service::run() {
   State& s = *state_;
-  {
-    const std::lock_guard lock(s.mutex);
-    if (s.stop_requested) return;
-    s.started = true;
-  }
   s.queue.start();
-  s.http.listen_after_bind();
-  s.ended = true;
-  s.events.close();
+  s.api.serve(s.http);
   s.queue.stop();
 }
 
 void Service::stop() {
   State& s = *state_;
-  {
-    const std::lock_guard lock(s.mutex);
-    s.stop_requested = true;
-    if (!s.started) return;
-  }
   s.api.stop();
-  s.events.close();
-  // The library forgets a stop that comes before it listens.
-  while (!s.http.is_running() && !s.ended) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   s.http.shut_down();
 }
 

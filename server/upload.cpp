@@ -16,9 +16,9 @@ namespace {
 
 [[noreturn]] void fail(int error) {
   if (error == ENOSPC || error == EDQUOT || error == EFBIG) {
-    throw HttpError(507, "the capture can't be stored", "the disk is full", "data folder");
+    throw HttpError(507, "the body can't be stored", "the disk is full", "data folder");
   }
-  throw HttpError(500, "the capture can't be stored", std::strerror(error), "data folder");
+  throw HttpError(500, "the body can't be stored", std::strerror(error), "data folder");
 }
 
 bool same_bytes(const std::filesystem::path& a, const std::filesystem::path& b) {
@@ -57,6 +57,14 @@ void Upload::append(std::string_view bytes) {
     if (written < 0) fail(errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
+}
+
+std::string Upload::text() const {
+  std::string bytes(size_bytes_, '\0');
+  const ssize_t got = ::pread(file_, bytes.data(), bytes.size(), 0);
+  if (got < 0) fail(errno);
+  bytes.resize(static_cast<std::size_t>(got));
+  return bytes;
 }
 
 std::string Upload::finish() {

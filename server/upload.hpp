@@ -1,5 +1,5 @@
-// A capture on its way in: bytes go to a file of their own and through the hash as they come, so memory use does not
-// depend on the capture's size, and nothing is left behind unless keep() succeeds.
+// A request's body on its way in, a capture or not: bytes go to a file of their own and through the hash as they come,
+// so memory use does not depend on their number, and nothing is left behind unless keep() succeeds.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +21,8 @@ class Upload {
   Upload& operator=(const Upload&) = delete;
 
   void append(std::string_view bytes);
+  // All bytes, for a body that is known to be short.
+  std::string text() const;
   // No more bytes will come: the file is on the disk (fsync). Returns the content hash.
   std::string finish();
 

@@ -123,6 +123,19 @@ std::string Statement::blob() {
                      static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column)));
 }
 
+BlobReader::BlobReader(const Connection& connection, const char* table, const char* column, std::int64_t row)
+    : connection_(connection.handle()) {
+  sqlite3_blob* blob = nullptr;
+  const int code = sqlite3_blob_open(connection_, "main", table, column, row, 0, &blob);
+  handle_.reset(blob);
+  if (code != SQLITE_OK) throw SqliteError(connection_, code);
+}
+
+void BlobReader::read(std::span<char> to, std::uint64_t offset) const {
+  const int code = sqlite3_blob_read(handle_.get(), to.data(), static_cast<int>(to.size()), static_cast<int>(offset));
+  if (code != SQLITE_OK) throw SqliteError(connection_, code);
+}
+
 Transaction::Transaction(const Connection& connection) : connection_(connection) {
   connection_.execute("BEGIN IMMEDIATE");
 }

@@ -83,6 +83,21 @@ class Statement {
   int next_column_ = 0;
 };
 
+// A blob that is read in pieces, so that it need not fit into memory.
+class BlobReader {
+ public:
+  BlobReader(const Connection& connection, const char* table, const char* column, std::int64_t row);
+  // Fills `to` with the bytes from `offset` on, which must be there. Throws SqliteError.
+  void read(std::span<char> to, std::uint64_t offset) const;
+
+ private:
+  struct Close {
+    void operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
+  };
+  sqlite3* connection_;
+  std::unique_ptr<sqlite3_blob, Close> handle_;
+};
+
 // Takes the write lock at once, so that what it reads can't change before it writes. Rolls back unless committed.
 class Transaction {
  public:

@@ -4,6 +4,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "base/error.hpp"
@@ -212,6 +213,34 @@ std::optional<Blob> Store::blob(std::string_view hash) const {
   blob.media_type = select.text();
   blob.bytes = select.blob();
   return blob;
+}
+
+std::optional<BlobInfo> Store::blob_info(std::string_view hash) const {
+  const ReadLease reader = read();
+  Statement select(reader.connection(), "SELECT media_type, length(bytes) FROM blobs WHERE hash = ?");
+  select.bind(hash);
+  if (!select.step()) return std::nullopt;
+  BlobInfo info;
+  info.media_type = select.text();
+  info.size_bytes = static_cast<std::uint64_t>(select.integer());
+  return info;
+}
+
+bool Store::read_blob(std::string_view hash, std::uint64_t first, std::uint64_t length,
+                      const std::function<bool(std::string_view)>& take) const {
+  const ReadLease reader = read();
+  Statement select(reader.connection(), "SELECT rowid FROM blobs WHERE hash = ?");
+  select.bind(hash);
+  if (!select.step()) return false;
+  const BlobReader blob(reader.connection(), "blobs", "bytes", select.integer());
+  std::string block(std::min<std::uint64_t>(length, std::uint64_t{1} << 18), '\0');
+  for (std::uint64_t done = 0; done < length;) {
+    const std::size_t step = std::min<std::uint64_t>(block.size(), length - done);
+    blob.read({block.data(), step}, first + done);
+    if (!take(std::string_view(block).substr(0, step))) return false;
+    done += step;
+  }
+  return true;
 }
 
 StoreCounts Store::counts() const {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -69,6 +70,11 @@ struct Blob {
   std::string bytes;
 };
 
+struct BlobInfo {
+  std::string media_type;
+  std::uint64_t size_bytes = 0;
+};
+
 struct StoreCounts {
   std::uint64_t captures = 0, runs = 0, queued = 0, running = 0;
 };
@@ -127,6 +133,10 @@ class Store {
   std::vector<CaptureRecord> captures_with_tag(std::string_view tag) const;
 
   std::optional<Blob> blob(std::string_view hash) const;
+  std::optional<BlobInfo> blob_info(std::string_view hash) const;
+  // Hands `length` bytes of a blob from `first` on to `take`, in pieces. False when that says so.
+  bool read_blob(std::string_view hash, std::uint64_t first, std::uint64_t length,
+                 const std::function<bool(std::string_view)>& take) const;
   StoreCounts counts() const;
 
   // For parts of the store with SQL of their own (store_access.hpp): a connection to read with, and the one that

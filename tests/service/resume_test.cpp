@@ -1,9 +1,5 @@
 // The service as a process of its own, ended in the middle of a run by SIGKILL and by SIGTERM.
-#include <fcntl.h>
 #include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -13,46 +9,6 @@
 
 namespace subpixel::tests {
 namespace {
-
-// `subpixel serve` over `data`, with the fake worker.
-class ServiceProcess {
- public:
-  explicit ServiceProcess(const std::filesystem::path& data) {
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) return;
-    const std::string folder = data.string();
-    pid_ = ::fork();
-    if (pid_ == 0) {
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      ::dup2(ends[1], 1);
-      ::execl(SUBPIXEL_BINARY, SUBPIXEL_BINARY, "serve", "--data", folder.c_str(), "--listen", "127.0.0.1:0",
-              "--worker-program", SUBPIXEL_FAKE_WORKER, nullptr);
-      ::_exit(127);
-    }
-    ::close(ends[1]);
-    std::string line;
-    for (char c; line.find('\n') == std::string::npos && ::read(ends[0], &c, 1) == 1;) line += c;
-    ::close(ends[0]);
-    const std::size_t colon = line.rfind(':');
-    if (colon != std::string::npos) port_ = std::atoi(line.c_str() + colon + 1);
-  }
-  ~ServiceProcess() { end(SIGKILL); }
-
-  int port() const { return port_; }
-
-  // Sends the signal, waits for the end and returns the exit code, -1 for an end by a signal.
-  int end(int signal) {
-    if (pid_ <= 0) return -1;
-    ::kill(pid_, signal);
-    int status = 0;
-    ::waitpid(std::exchange(pid_, -1), &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  pid_t pid_ = -1;
-  int port_ = 0;
-};
 
 std::vector<std::string> lines_of(const std::filesystem::path& file) {
   std::ifstream stream(file);

@@ -237,6 +237,9 @@ TEST_F(Runs, EventsResumeAfterTheLastOneSeen) {
 }
 
 TEST_F(Runs, ManyFollowersLeaveRoomForOthers) {
+  server::ServiceOptions few = options();
+  few.http.followers = 48;
+  start(few);
   const std::string hash = client().upload_fake({{"frames", 1}, {"result_ms", 60'000}});
   const std::int64_t run = client().start_run(hash);
   std::atomic<bool> stop{false};

@@ -1,10 +1,16 @@
 #include "tests/service/service_fixture.hpp"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <netinet/in.h>
+#include <signal.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <utility>
 
 namespace subpixel::tests {
 
@@ -98,6 +104,38 @@ RunningService::RunningService(server::ServiceOptions options)
 RunningService::~RunningService() {
   service_.stop();
   thread_.join();
+}
+
+ServiceProcess::ServiceProcess(const fs::path& data) {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) return;
+  const std::string folder = data.string();
+  pid_ = ::fork();
+  if (pid_ == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    ::dup2(ends[1], 1);
+    ::execl(SUBPIXEL_BINARY, SUBPIXEL_BINARY, "serve", "--data", folder.c_str(), "--listen", "127.0.0.1:0",
+            "--worker-program", SUBPIXEL_FAKE_WORKER, nullptr);
+    ::_exit(127);
+  }
+  ::close(ends[1]);
+  std::string line;
+  for (char c; line.find('\n') == std::string::npos && ::read(ends[0], &c, 1) == 1;) line += c;
+  ::close(ends[0]);
+  const std::size_t colon = line.rfind(':');
+  if (colon != std::string::npos) port_ = std::atoi(line.c_str() + colon + 1);
+}
+
+ServiceProcess::~ServiceProcess() {
+  end(SIGKILL);
+}
+
+int ServiceProcess::end(int signal) {
+  if (pid_ <= 0) return -1;
+  ::kill(pid_, signal);
+  int status = 0;
+  ::waitpid(std::exchange(pid_, -1), &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 void ServiceTest::start(const server::ServiceOptions& options) {

@@ -68,6 +68,24 @@ class RunningService {
   std::thread thread_;
 };
 
+// The service as a process of its own: `subpixel serve` over `data`, with the fake worker.
+class ServiceProcess {
+ public:
+  explicit ServiceProcess(const std::filesystem::path& data);
+  ~ServiceProcess();
+  ServiceProcess(const ServiceProcess&) = delete;
+  ServiceProcess& operator=(const ServiceProcess&) = delete;
+
+  int port() const { return port_; }
+  int id() const { return pid_; }
+  // Sends the signal, waits for the end and returns the exit code, -1 for an end by a signal.
+  int end(int signal);
+
+ private:
+  int pid_ = -1;
+  int port_ = 0;
+};
+
 class ServiceTest : public testing::Test {
  protected:
   // Called with changed options before the first request, where a test needs them.
