@@ -182,9 +182,9 @@ int list_devices() {
   const std::vector<gpu::VulkanDevice> devices = gpu::vulkan_devices();
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const gpu::VulkanDevice& device = devices[i];
-    const std::string state = !device.missing.empty()
-                                  ? fmt::format("lacks {}", fmt::join(device.missing, ", "))
-                                  : device.is_lavapipe ? "taken by default" : "has what passes need";
+    const std::string state = !device.missing.empty() ? fmt::format("lacks {}", fmt::join(device.missing, ", "))
+                              : device.is_lavapipe    ? "taken by default"
+                                                      : "has what passes need";
     fmt::print("{} {}: {}\n", i, printable(device.name), state);
   }
   return 0;

@@ -1,5 +1,5 @@
-// What engineers pick today: visibility buffers (Burns and Hunt 2013, Schied and Dachsbacher 2015), SMAA (Jimenez et al.
-// 2012) and temporal anti-aliasing (Yang et al. 2020).
+// What engineers pick today: visibility buffers (Burns and Hunt 2013, Schied and Dachsbacher 2015), SMAA (Jimenez et
+// al. 2012) and temporal anti-aliasing (Yang et al. 2020).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -107,10 +107,10 @@ std::vector<Comparison> accumulated(const Measured& measured) {
     if (ours == nullptr || one == nullptr || eight == nullptr || std::isnan(ours->error.mse)) continue;
     // How much of the way from one sample to eight.
     const double way = (one->error.mse - ours->error.mse) / (one->error.mse - eight->error.mse);
-    comparisons.push_back({run->plan.scene, "most of the way",
-                           fmt::format("{:.2f} of {:.2f} to {:.2f}", ours->error.mse * 1e4, one->error.mse * 1e4,
-                                       eight->error.mse * 1e4),
-                           at_least(exactly(way), 0.5), 100 * way, run->plan.scene});
+    comparisons.push_back(
+        {run->plan.scene, "most of the way",
+         fmt::format("{:.2f} of {:.2f} to {:.2f}", ours->error.mse * 1e4, one->error.mse * 1e4, eight->error.mse * 1e4),
+         at_least(exactly(way), 0.5), 100 * way, run->plan.scene});
   }
   return comparisons;
 }

@@ -53,12 +53,11 @@ std::string head(const Measured& measured, const std::string& command) {
       "| --- | --- | --- | --- | --- | --- | --- |\n";
   for (const Run& run : measured.runs) {
     const replay::ResultsHead& of = run.results.head;
-    text +=
-        fmt::format("| {} {}x{}{} | {} | {} | {} | {} | {} | {} |\n", run.plan.scene, of.width, of.height,
-                    run.plan.frames > 1 ? fmt::format(", {} frames", run.plan.frames) : "", of.triangles_first_frame,
-                    of.point_lights, run.plan.techniques.size(),
-                    of.reference_samples == 0 ? "none" : fmt::format("{} samples", of.reference_samples), of.repeat,
-                    of.date_utc.substr(0, 16));
+    text += fmt::format("| {} {}x{}{} | {} | {} | {} | {} | {} | {} |\n", run.plan.scene, of.width, of.height,
+                        run.plan.frames > 1 ? fmt::format(", {} frames", run.plan.frames) : "",
+                        of.triangles_first_frame, of.point_lights, run.plan.techniques.size(),
+                        of.reference_samples == 0 ? "none" : fmt::format("{} samples", of.reference_samples), of.repeat,
+                        of.date_utc.substr(0, 16));
   }
   return text +
          "\nOne frame of each scene, but for flicker. Times are warm medians of a software rasteriser: read them as "

@@ -49,7 +49,7 @@ class FrameScene {
   glm::dvec2 jitter_{0};
   std::uint32_t prepared_samples_ = 0;  // 0: the front-end is not prepared for this frame
   SmallTriangles small_ = SmallTriangles::as_hulls;
-  std::map<std::uint32_t, std::uint64_t> fragments_;  // by samples
+  std::map<std::uint32_t, std::uint64_t> fragments_;                                        // by samples
   std::map<std::pair<std::uint32_t, AlphaDecision>, FragmentListSizes> visible_fragments_;  // by samples
   void forget_counts();
 };

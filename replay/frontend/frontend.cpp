@@ -30,23 +30,10 @@ gpu::Constants Frontend::constants() const {
 
 std::uint64_t Frontend::allocated_bytes() const {
   std::uint64_t total = 0;
-  for (const gpu::Buffer* buffer : {&chunks_,
-                                    &clip_matrices_,
-                                    &counts_,
-                                    &clip_list_,
-                                    &clip_count_,
-                                    &sums_,
-                                    &piece_bases_,
-                                    &records_,
-                                    &hull_indices_,
-                                    &material_ranges_,
-                                    &visibility_ranges_,
-                                    &material_commands_,
-                                    &visibility_commands_,
-                                    &rest_sums_,
-                                    &rest_indices_,
-                                    &rest_commands_,
-                                    &small_records_})
+  for (const gpu::Buffer* buffer :
+       {&chunks_, &clip_matrices_, &counts_, &clip_list_, &clip_count_, &sums_, &piece_bases_, &records_,
+        &hull_indices_, &material_ranges_, &visibility_ranges_, &material_commands_, &visibility_commands_, &rest_sums_,
+        &rest_indices_, &rest_commands_, &small_records_})
     total += buffer->bytes();
   return total;
 }

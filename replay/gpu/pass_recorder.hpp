@@ -156,10 +156,10 @@ struct RasterPass : AddressUses {
 
 struct PassTiming {
   std::string name;
-  std::vector<double> ms;                          // one for each run since clear_timings
-  std::uint64_t screen_pixels = 0;                 // of the full-screen triangles of one run
-  std::uint64_t listed_fragments = 0;              // that compute passes of one run go through
-  std::uint32_t times_all = 0;                     // that one run draws those triangles
+  std::vector<double> ms;              // one for each run since clear_timings
+  std::uint64_t screen_pixels = 0;     // of the full-screen triangles of one run
+  std::uint64_t listed_fragments = 0;  // that compute passes of one run go through
+  std::uint32_t times_all = 0;         // that one run draws those triangles
 };
 
 class PassRecorder {

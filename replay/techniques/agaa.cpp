@@ -166,8 +166,7 @@ State make_state(gpu::PassRecorder& recorder, const Setup& setup) {
   constexpr std::uint64_t kBorderRows = 5;
   state.sums = &recorder.buffer("aggregates", (setup.height + kBorderRows) * setup.width * setup.parameters.aggregates *
                                                   aggregate_words(setup) * 4);
-  gpu::Buffer& parts =
-      recorder.buffer("fragments' parts", setup.lists.value().count * aggregate_words(setup) * 4);
+  gpu::Buffer& parts = recorder.buffer("fragments' parts", setup.lists.value().count * aggregate_words(setup) * 4);
   state.table = &recorder.address_table("aggregate state", sizeof(gpu_types::AgaaState));
   float largest = 0;
   for (const auto& material :

@@ -1,5 +1,5 @@
-// Deferred attribute interpolation: a visibility buffer, and a triangle buffer of the triangles that show. A triangle is
-// stored as a sample point and the screen-space change of each attribute / w and of 1 / w, from which shading
+// Deferred attribute interpolation: a visibility buffer, and a triangle buffer of the triangles that show. A triangle
+// is stored as a sample point and the screen-space change of each attribute / w and of 1 / w, from which shading
 // interpolates without its vertices.
 // Schied and Dachsbacher 2015, "Deferred Attribute Interpolation for Memory-Efficient Deferred Shading", HPG 2015.
 // The publication fills its buffer while it draws; here the triangles are numbered once visibility is known, by a scan,
@@ -69,9 +69,8 @@ TriangleBuffer make_buffer(gpu::PassRecorder& recorder, const Setup& setup) {
   made.numbers = &recorder.buffer("triangle numbers", (fragments + 1) * 4);
   made.words = &recorder.buffer("triangle buffer", std::max<std::uint64_t>(made.stored * made.triangle_words, 1) * 4);
   made.table = &recorder.address_table("triangle addresses", sizeof(gpu_types::TriangleBuffer));
-  made.table->set(gpu_types::TriangleBuffer{.numbers = made.table->of(*made.numbers),
-                                            .words = made.table->of(*made.words),
-                                            .capacity = made.stored});
+  made.table->set(gpu_types::TriangleBuffer{
+      .numbers = made.table->of(*made.numbers), .words = made.table->of(*made.words), .capacity = made.stored});
   return made;
 }
 
@@ -149,8 +148,9 @@ extern const Technique kDais;
 const Technique kDais = TechniqueOf<DaisParameters>{
     .name = "dais",
     .title = "Deferred attribute interpolation",
-    .paper = "Schied, Dachsbacher: Deferred Attribute Interpolation for Memory-Efficient Deferred Shading. "
-             "High-Performance Graphics 2015",
+    .paper =
+        "Schied, Dachsbacher: Deferred Attribute Interpolation for Memory-Efficient Deferred Shading. "
+        "High-Performance Graphics 2015",
     .fields = {field::samples({1, 2, 4, 8, 16, 32, 64}), field::shading_point(&DaisParameters::point),
                field::number("pool", &DaisParameters::pool, {0, 1e6},
                              "triangles that the triangle buffer has room for, a pixel; of those behind them, in "

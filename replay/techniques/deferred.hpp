@@ -30,10 +30,10 @@ gpu::Image& gbuffer_image(gpu::PassRecorder& recorder, const FrameSetup& setup, 
 void record_gbuffer(gpu::PassRecorder& recorder, const FrameSetup& setup, const VisibleFragments& visible,
                     gpu::Image& gbuffer, std::uint32_t group);
 
-// Set-up and both at once, without a depth pass before: fragments come in submission order and store their surfaces over those of
-// samples that they hide, so what is hidden later is paid for. Leaves what record_visibility() and record_gbuffer()
-// leave for all samples, at least 4, each in 16 bytes; passes "gbuffer". The map and the counter "written" say how many
-// fragments have stored something, above 16 samples once for each 16.
+// Set-up and both at once, without a depth pass before: fragments come in submission order and store their surfaces
+// over those of samples that they hide, so what is hidden later is paid for. Leaves what record_visibility() and
+// record_gbuffer() leave for all samples, at least 4, each in 16 bytes; passes "gbuffer". The map and the counter
+// "written" say how many fragments have stored something, above 16 samples once for each 16.
 struct SampleImages {
   gpu::Image &visibility, &gbuffer;
 };

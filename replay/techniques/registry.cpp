@@ -10,8 +10,8 @@ extern const Technique kNoaa, kFxaa, kSmaa, kTaa, kForward, kMsaa, kSimpleComple
 
 std::span<const Technique* const> techniques() {
   static constexpr const Technique* kAll[] = {
-      &kNoaa, &kFxaa,      &kSmaa, &kTaa,  &kForward,    &kMsaa,   &kSimpleComplex,
-      &kSbaa, &kStreaming, &kAgaa, &kDcaa, &kLinkedList, &kHybrid, &kVisibility, &kDais,
+      &kNoaa,      &kFxaa, &kSmaa, &kTaa,        &kForward, &kMsaa,       &kSimpleComplex, &kSbaa,
+      &kStreaming, &kAgaa, &kDcaa, &kLinkedList, &kHybrid,  &kVisibility, &kDais,
   };
   return kAll;
 }

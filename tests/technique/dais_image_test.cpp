@@ -13,8 +13,8 @@ capture::Capture scene_of(const std::string& name, double density) {
 
 // Large, alpha-tested, clipped and thin triangles; textures, normal maps, emission.
 const std::vector<std::pair<std::string, double>> kScenes{
-    {"grass", 0.01},   {"city", 0.05},       {"foliage", 0.02},    {"arcade", 0.05},
-    {"fur", 0.02},     {"hard_slivers", 1},  {"hard_near_plane", 1}, {"hard_grazing", 1},
+    {"grass", 0.01}, {"city", 0.05},      {"foliage", 0.02},      {"arcade", 0.05},
+    {"fur", 0.02},   {"hard_slivers", 1}, {"hard_near_plane", 1}, {"hard_grazing", 1},
 };
 
 double sum_of(const std::vector<std::uint32_t>& map) {

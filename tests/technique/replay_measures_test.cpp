@@ -94,8 +94,8 @@ TEST_F(ReplayMeasures, MemoryIsWhatThePassesKeep) {
   const auto allocated = [&](std::size_t i) {
     return results.at(i).at("memory").at("allocated_bytes").get<double>() / (64 * 36);
   };
-  // Depth and triangle of each sample, eight G-buffer samples at a time, a sum, and the list of what shows: 16 + 4 bytes
-  // a fragment and 4 a pixel for its end, then 4 a triangle and sums by group.
+  // Depth and triangle of each sample, eight G-buffer samples at a time, a sum, and the list of what shows: 16 + 4
+  // bytes a fragment and 4 a pixel for its end, then 4 a triangle and sums by group.
   constexpr double kShown = 16 + 4 + 4;
   for (const auto& [i, samples] : {std::pair(0, 8), std::pair(1, 16)}) {
     EXPECT_GE(fitted(i), samples * 8 + 8 * 16 + 16 + kShown);

@@ -14,7 +14,8 @@ capture::Capture scene_of(const std::string& name, double density) {
   return capture::generate(name, {1, 61, 37, 1, density});
 }
 
-// Forward shading as the device's rasteriser does it: each fragment is lit where it is drawn and blended into its pixel.
+// Forward shading as the device's rasteriser does it: each fragment is lit where it is drawn and blended into its
+// pixel.
 TechniqueRun drawn(const capture::Capture& capture, const ParameterValues& given) {
   FrameScene scene(test_device(), capture, {}, {0, 61, 37});
   const TechniqueSetting setting = find_technique("forward").with(given);
