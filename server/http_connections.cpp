@@ -109,8 +109,15 @@ void HttpConnections::run(int listener, Work work) {
     const int count = ::epoll_wait(epoll_, events.data(), static_cast<int>(events.size()),
                                    nothing_to_watch ? -1 : static_cast<int>(kSweepStep.count()));
     now_ = Clock::now();
-    for (int i = 0; i < count; ++i)
-      on_event(events[static_cast<std::size_t>(i)].data.u64, events[static_cast<std::size_t>(i)].events);
+    bool someone_comes = false;
+    for (std::size_t i = 0; count > 0 && i < static_cast<std::size_t>(count); ++i) {
+      if (events[i].data.u64 == kListener) {
+        someone_comes = true;
+      } else {
+        on_event(events[i].data.u64, events[i].events);
+      }
+    }
+    if (someone_comes) accept_some();  // after the others, since it may close idle ones
     run_posted();
     if (stop_requested_ && !stopping_) begin_stop();
     if (now_ >= next_sweep) {
@@ -148,7 +155,6 @@ void HttpConnections::run_posted() {
 }
 
 void HttpConnections::on_event(Id id, std::uint32_t events) {
-  if (id == kListener) return accept_some();
   if (id == kWakeUp) {
     std::uint64_t count = 0;
     [[maybe_unused]] const ssize_t got = ::read(wake_, &count, sizeof(count));
@@ -269,8 +275,9 @@ void HttpConnections::forget_closed() {
 
 void HttpConnections::accept_some() {
   for (int i = 0; i < kAcceptsPerTurn; ++i) {
-    const bool room = connections_.size() - closed_.size() < most_connections_ || make_room();
-    if (!room) return listen_for_more(false);  // until the next sweep
+    const bool full = open_connections() >= most_connections_;
+    if (full && i > 0) return;  // those who have come may have sent something, and are no idle ones then
+    if (full && !make_room()) return listen_for_more(false);  // until the next sweep
     sockaddr_storage address{};
     socklen_t length = sizeof(address);
     const int socket =
@@ -306,7 +313,7 @@ bool HttpConnections::make_room() {
   const auto most = std::ranges::max_element(by_address_, {}, [](const auto& entry) { return entry.second; });
   Connection* victim = nullptr;
   const auto rank = [](const Connection& connection) {
-    return std::tuple(connection.state, !connection.input.empty(), connection.progress);
+    return std::tuple(connection.state, !connection.input.empty(), connection.progress, connection.id);
   };
   for (auto& [id, connection] : connections_) {
     if (connection.state == State::closed || connection.state == State::working) continue;

@@ -108,6 +108,7 @@ class HttpConnections {
   void close(Connection& connection);
   void forget_closed();
   // Accepting.
+  std::size_t open_connections() const { return connections_.size() - closed_.size(); }
   void accept_some();
   void add(int socket, Exchange::Peer peer);
   bool make_room();

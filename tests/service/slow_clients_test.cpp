@@ -140,7 +140,7 @@ TEST(SlowClients, NobodyWaitsForThem) {
   for (const char byte : small_capture.substr(4)) uploads.front().send(std::string(1, byte));
   const std::string uploaded = uploads.front().receive();
   EXPECT_TRUE(uploaded.starts_with("HTTP/1.1 201")) << uploaded;
-  EXPECT_EQ(body_of(readers.front().receive()), capture);
+  EXPECT_TRUE(body_of(readers.front().receive()) == capture);
   idle.front().send(get_request("/api/captures/" + hash));
   EXPECT_TRUE(idle.front().receive().starts_with("HTTP/1.1 200"));
 }
@@ -239,7 +239,7 @@ TEST_F(SlowClient, IdleOnesGiveWayWhenThereAreTooMany) {
   EXPECT_LT(Clock::now() - start, std::chrono::seconds(5)) << "the oldest was closed before its time";
   idle.back().send(get_request("/api/health"));
   EXPECT_TRUE(idle.back().receive().starts_with("HTTP/1.1 200"));
-  EXPECT_EQ(body_of(reader.receive()), capture) << "one that gets an answer is no idle one";
+  EXPECT_TRUE(body_of(reader.receive()) == capture) << "one that gets an answer is no idle one";
 }
 
 // With two threads for all of them.
@@ -274,7 +274,7 @@ TEST_F(SlowClient, AnswersUnderWayAreFinishedAtTheEnd) {
   const std::string begin = reader.receive("\r\n\r\n");
   std::thread ending([&] { stop(); });
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_EQ(body_of(begin + reader.receive()), capture);
+  EXPECT_TRUE(body_of(begin + reader.receive()) == capture);
   ending.join();
 }
 
