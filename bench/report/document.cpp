@@ -25,7 +25,7 @@ std::string joined(const std::set<std::string>& words) {
   return fmt::format("{}", fmt::join(words, "; "));
 }
 
-std::string head(const Measured& measured, const std::string& command) {
+std::string head(const Measured& measured, const std::string& command, const std::vector<std::string>& missing) {
   std::set<std::string> drivers, processors;
   std::string first, last;
   double minutes = 0;
@@ -48,6 +48,12 @@ std::string head(const Measured& measured, const std::string& command) {
       "`--only-write` writes the page from what is stored, `--quick` is a small form of minutes.\n\n"
       "Driver: {}. Processor: {}. Measured {} to {}, {:.0f} minutes of replay.\n\n",
       command, joined(drivers), joined(processors), first, last, minutes);
+  if (!missing.empty())
+    text += fmt::format(
+        "**Not there yet**: of {} runs that the command makes, {} are stored. A claim that needs one of the others "
+        "says "
+        "\"not measured\", or by which size it was judged. Missing: {}.\n\n",
+        measured.runs.size() + missing.size(), measured.runs.size(), fmt::join(missing, ", "));
   text +=
       "| run | triangles | point lights | settings | reference | repeats | measured |\n"
       "| --- | --- | --- | --- | --- | --- | --- |\n";
@@ -290,10 +296,12 @@ std::string sizes_markdown(const Measured& measured) {
 
 }  // namespace
 
-Document make_document(const Measured& measured, const std::vector<Claim>& claims, const std::string& command) {
+Document make_document(const Measured& measured, const std::vector<Claim>& claims, const std::string& command,
+                       const std::vector<std::string>& missing) {
   Document document;
-  document.markdown = head(measured, command) + which_for_which_markdown(measured) + claims_markdown(measured, claims) +
-                      "## Who wins where\n\n" + winners_markdown(measured) + "\n" + sizes_markdown(measured) +
+  document.markdown = head(measured, command, missing) + which_for_which_markdown(measured) +
+                      claims_markdown(measured, claims) + "## Who wins where\n\n" + winners_markdown(measured) + "\n" +
+                      sizes_markdown(measured) +
                       "## Speed and memory against error\n\n"
                       "The dashed line is the Pareto front: what lies on it has no setting beside it that is better in "
                       "one and as good in "

@@ -15,8 +15,10 @@ struct Document {
   std::vector<std::pair<std::string, std::string>> images;  // path from the page's folder, SVG
 };
 
-// `command` is what regenerates the page; it stands at its top.
-Document make_document(const Measured& measured, const std::vector<Claim>& claims, const std::string& command);
+// `command` is what regenerates the page; it stands at its top, as does what it makes and is not stored: `missing`
+// runs.
+Document make_document(const Measured& measured, const std::vector<Claim>& claims, const std::string& command,
+                       const std::vector<std::string>& missing = {});
 
 // The page at `file` and its images beside it, each whole or not at all. Images of an earlier page are removed.
 void write_document(const Document& document, const std::filesystem::path& file);

@@ -338,6 +338,10 @@ TEST(ReportDocument, AReasonStandsOnlyWhereAClaimFails) {
   const std::string held = make_document({{good}}, {claim}, "command").markdown;
   EXPECT_NE(held.find("| 0.50 times the MSE | held |"), std::string::npos) << held;
   EXPECT_EQ(held.find("Because of"), std::string::npos) << held;
+  EXPECT_EQ(held.find("Not there yet"), std::string::npos);
+  const std::string part = make_document({{good}}, {claim}, "command", {"city_9x9", "fur_9x9"}).markdown;
+  EXPECT_NE(part.find("of 3 runs that the command makes, 1 are stored"), std::string::npos) << part;
+  EXPECT_NE(part.find("Missing: city_9x9, fur_9x9."), std::string::npos) << part;
   const Document both = make_document({{good, bad}}, {claim}, "command");
   EXPECT_NE(both.markdown.find("| 0.50 to 2.00 times the MSE | **held on 1 of 2** |"), std::string::npos)
       << both.markdown;

@@ -62,7 +62,12 @@ void run(Arguments arguments) {
   }
   const Measured measured = read_measured(plan, arguments.folder);
   if (measured.runs.empty()) throw InputError("report", "nothing is stored", arguments.folder.string());
-  write_document(make_document(measured, all_claims(), command_of(arguments)), arguments.out);
+  std::vector<std::string> missing;
+  for (const RunPlan& of : plan)
+    if (std::ranges::find(measured.runs, of.name(), [](const Run& run) { return run.plan.name(); }) ==
+        measured.runs.end())
+      missing.push_back(of.name());
+  write_document(make_document(measured, all_claims(), command_of(arguments), missing), arguments.out);
   fmt::print("{} of {} runs: {}\n", measured.runs.size(), plan.size(), arguments.out.string());
 }
 
