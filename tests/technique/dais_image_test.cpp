@@ -36,7 +36,7 @@ TEST(Dais, PlanesGiveWhatVerticesGive) {
     without_planes += planes.counters.at("triangles_without_planes");
     back_to_vertices += sum_of(planes.maps.at("from_vertices"));
   }
-  // Fibres thinner than a thirtieth of a pixel are among them.
+  // Fibres and slivers are among the scenes.
   EXPECT_GT(without_planes, 10u);
   EXPECT_GE(back_to_vertices, static_cast<double>(without_planes));
 }
