@@ -8,8 +8,6 @@
 namespace subpixel::replay {
 namespace {
 
-constexpr std::uint32_t kMostGroups = 65535;  // in each dimension, Vulkan's required limit
-
 // Where the counting passes write; sums are scanned over chunks of triangles and groups of pixels.
 struct Counted {
   gpu::Buffer *ends, *bases, *chunk_sums, *pixel_sums;
@@ -234,7 +232,6 @@ void record_listed_fragments(gpu::PassRecorder& recorder, const FrontendFrame& f
   GpuScene& scene = frontend.scene();
   for (const FragmentLists::Batch& batch : lists.batches) {
     if (pass.alpha_only && !batch.alpha_test) continue;
-    const std::uint32_t groups = groups_of(batch.last - batch.first), row = std::min(groups, kMostGroups);
     gpu::ComputePass compute;
     compute.addressed = pass.addressed;
     gpu_types::HullPush push = frontend.hull_push(compute, batch.material);
@@ -251,7 +248,7 @@ void record_listed_fragments(gpu::PassRecorder& recorder, const FrontendFrame& f
     compute.bindings.push_back(gpu::reads(FRAME_SLOT_MATERIALS, scene.materials));
     compute.push = gpu::PushConstants(push);
     compute.material = scene.material_set(batch.material);
-    compute.groups = {row, (groups + row - 1) / row, 1};
+    compute.groups = grid_of(batch.last - batch.first);
     compute.fragments = batch.last - batch.first;
     recorder.compute(std::move(compute));
   }

@@ -12,6 +12,11 @@ std::uint32_t groups_of(std::uint64_t items) {
   return static_cast<std::uint32_t>((items + 63) / 64);
 }
 
+std::array<std::uint32_t, 3> grid_of(std::uint64_t items) {
+  const std::uint32_t groups = groups_of(items), row = std::clamp(groups, 1u, kMostGroups);
+  return {row, (groups + row - 1) / row, 1};
+}
+
 std::uint32_t device_runs() {
   return std::clamp(std::thread::hardware_concurrency(), 1u, 64u);
 }

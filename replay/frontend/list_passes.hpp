@@ -1,6 +1,7 @@
 // What the passes that make lists by pixel or by block of pixels share.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -8,8 +9,12 @@
 
 namespace subpixel::replay {
 
+// Workgroups that a device takes in each dimension: Vulkan's required limit.
+inline constexpr std::uint32_t kMostGroups = 65535;
 // Workgroups of 64 for `items`.
 std::uint32_t groups_of(std::uint64_t items);
+// The same in rows of at most so many, for any number of items.
+std::array<std::uint32_t, 3> grid_of(std::uint64_t items);
 
 // Runs of triangles that threads of the device take side by side (small_walk.glsl).
 std::uint32_t device_runs();

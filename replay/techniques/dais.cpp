@@ -5,7 +5,6 @@
 // The publication fills its buffer while it draws; here the triangles are numbered once visibility is known, by a scan,
 // so that which of them a full buffer leaves out does not depend on threads.
 #include <algorithm>
-#include <array>
 
 #include "replay/frame/frame_images.hpp"
 #include "replay/frontend/list_passes.hpp"
@@ -16,7 +15,6 @@ namespace subpixel::replay {
 namespace {
 
 constexpr const char* kTriangles = "triangles";
-constexpr std::uint32_t kMostGroups = 65535;  // in each dimension, Vulkan's required limit
 
 struct DaisParameters : CommonParameters {
   ShadingPoint point = ShadingPoint::visible;
@@ -54,11 +52,6 @@ MemoryLayout layout(const Setup& setup) {
   // With normals and one pair of coordinates, whether the scene needs those or more.
   const double words = static_cast<double>(stored_triangles(setup)) * DAIS_WORDS(FEATURE_BASE_TEXTURE);
   return {{"depth", 32 * n}, {"triangle numbers", 32 * n}, {"triangle buffer", 32 * words / pixels(setup)}};
-}
-
-std::array<std::uint32_t, 3> grid_of(std::uint64_t items) {
-  const std::uint32_t groups = groups_of(items), row = std::clamp(groups, 1u, kMostGroups);
-  return {row, (groups + row - 1) / row, 1};
 }
 
 TriangleBuffer make_buffer(gpu::PassRecorder& recorder, const Setup& setup) {
