@@ -56,8 +56,13 @@ float dcaa_shared_depth(vec2 a, vec2 b) {
   return shared_part < 0.0 ? -1.0 : min(shared_part / max(shorter, 1e-30), 1.0);
 }
 
+DcaaPlane dcaa_select(bool condition, DcaaPlane yes, DcaaPlane no) {
+  return DcaaPlane(condition ? yes.normal : no.normal, condition ? yes.slopes : no.slopes);
+}
+
 // Section 3.3, with the list full. Entry SURFACES is the fragment.
-void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], inout DcaaSurface fragment, vec3 ray, DcaaView view) {
+void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], inout DcaaPlane plane[DCAA_MAX_SURFACES],
+                    inout DcaaSurface fragment, inout DcaaPlane own, vec3 ray, DcaaView view) {
   uvec2 coverage[DCAA_MAX_SURFACES + 1];
   float depth[DCAA_MAX_SURFACES + 1];
   for (uint i = 0u; i < SURFACES; ++i) {
@@ -91,31 +96,33 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
   COARSE(SURFACES)
 #undef COARSE
   DcaaSurface gone = fragment;
-  for (uint i = 0u; i < SURFACES; ++i) gone = dcaa_select(leaving == i, surface[i], gone);
+  DcaaPlane gone_plane = own;
+  for (uint i = 0u; i < SURFACES; ++i) {
+    gone = dcaa_select(leaving == i, surface[i], gone);
+    gone_plane = dcaa_select(leaving == i, plane[i], gone_plane);
+  }
 
   // The second merge: of the paper, with the surface that shares most of its depth interval, all of it; of DCAA_NEAREST, with
   // the nearest, which keeps its plane, as much of it as shows.
   const bool kNearest = dcaa_option(DCAA_NEAREST);
   uint partner = SURFACES + 1u;
   for (bool joins = kNearest ? least > 0u : dcaa_option(DCAA_SECOND_MERGE); joins; joins = false) {
-    vec3 normal = dcaa_facet(gone.facet);
-    vec2 interval = kNearest ? vec2(0.0) : dcaa_interval(normal, gone.depth, ray, view);
+    vec2 interval = dcaa_interval(gone_plane, gone.depth);
     float place = kNearest ? dcaa_place(gone.depth, ray, view) : 0.0;
     float best = kNearest ? -1e30 : -1.0;
     DcaaSurface with = fragment;
-#define CONSIDER(i, other)                                                                                                  \
-  {                                                                                                                         \
-    vec3 facet = dcaa_facet(other.facet);                                                                                   \
-    float score = kNearest ? -dcaa_distance(dcaa_place(other.depth, ray, view), facet, place, normal)                       \
-                           : dcaa_shared_depth(dcaa_interval(facet, other.depth, ray, view), interval);                     \
-    bool better = i != leaving && score > best;                                                                             \
-    best = better ? score : best;                                                                                           \
-    partner = better ? i : partner;                                                                                         \
-    with = dcaa_select(better, other, with);                                                                                \
+#define CONSIDER(i, other, its)                                                                                        \
+  {                                                                                                                    \
+    float score = kNearest ? -dcaa_distance(dcaa_place(other.depth, ray, view), its.normal, place, gone_plane.normal)  \
+                           : dcaa_shared_depth(dcaa_interval(its, other.depth), interval);                             \
+    bool better = i != leaving && score > best;                                                                        \
+    best = better ? score : best;                                                                                      \
+    partner = better ? i : partner;                                                                                    \
+    with = dcaa_select(better, other, with);                                                                           \
   }
-#define CONSIDER_SURFACE(i) CONSIDER(i, surface[i])
+#define CONSIDER_SURFACE(i) CONSIDER(i, surface[i], plane[i])
     EACH_SURFACE(CONSIDER_SURFACE)
-    CONSIDER(SURFACES, fragment)
+    CONSIDER(SURFACES, fragment, own)
 #undef CONSIDER_SURFACE
 #undef CONSIDER
     uvec3 facet = with.facet;
@@ -126,21 +133,28 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
     with.depth = kNearest ? depth : with.depth;
     for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(partner == i, with, surface[i]);
     fragment = dcaa_select(partner == SURFACES, with, fragment);
+    if (!kNearest) {
+      DcaaPlane joint = dcaa_plane(with, ray, view);
+      for (uint i = 0u; i < SURFACES; ++i) plane[i] = dcaa_select(partner == i, joint, plane[i]);
+      own = dcaa_select(partner == SURFACES, joint, own);
+    }
   }
   bool joined = partner <= SURFACES, vanishes = kNearest && least == 0u;
   word = count_more(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS, joined ? 1u : 0u);
   word = count_more(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS, joined || vanishes ? 0u : 1u);
-  for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(leaving == i, fragment, surface[i]);
+  for (uint i = 0u; i < SURFACES; ++i) {
+    surface[i] = dcaa_select(leaving == i, fragment, surface[i]);
+    plane[i] = dcaa_select(leaving == i, own, plane[i]);
+  }
 }
 
 // The samples of a fragment that no surface in front of it over the whole pixel covers.
-uvec2 dcaa_not_hidden(uint count, DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment,
-                      vec3 ray, DcaaView view) {
+uvec2 dcaa_not_hidden(uint count, DcaaSurface surface[DCAA_MAX_SURFACES], DcaaPlane plane[DCAA_MAX_SURFACES],
+                      DcaaSurface fragment, DcaaPlane own) {
   uvec2 left = fragment.coverage;
-  vec2 own = dcaa_slopes(dcaa_facet(fragment.facet), fragment.depth, ray, view);
 #define HIDE(i)                                                                                                   \
   for (bool go = i < count && surface[i].depth > fragment.depth; go; go = false) {                                \
-    vec2 turn = abs(dcaa_slopes(dcaa_facet(surface[i].facet), surface[i].depth, ray, view) - own);                \
+    vec2 turn = abs(plane[i].slopes - own.slopes);                                                                \
     precise float ahead = surface[i].depth - fragment.depth;                                                      \
     precise float reach = 0.5 * (turn.x + turn.y);                                                                \
     left &= ahead > reach ? ~surface[i].coverage : uvec2(0xffffffffu);                                            \
@@ -151,22 +165,22 @@ uvec2 dcaa_not_hidden(uint count, DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSu
 }
 
 // Adds a fragment, which brings at least one sample, to the pixel.
-void dcaa_add_shown(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment,
-                    vec3 ray, DcaaView view) {
+void dcaa_add_shown(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], inout DcaaPlane plane[DCAA_MAX_SURFACES],
+                    DcaaSurface fragment, DcaaPlane own, vec3 ray, DcaaView view) {
   uint count = field_of(word, 0u, DCAA_COUNT_BITS);
   uint target = count;
   bool merges = false;
   // Loops, here and below, are skipped when no lane needs them.
   for (bool any_surface = count > 0u; any_surface; any_surface = false) {
-    vec3 normal = dcaa_facet(fragment.facet);
-    vec2 interval = dcaa_interval(normal, fragment.depth, ray, view);
+    vec3 normal = own.normal;
+    vec2 interval = dcaa_interval(own, fragment.depth);
     precise float per_cosine = 1.0 / max(1.0 - COS_NORMAL_ANGLE, 1e-6);
     float best = -1.0;
 #define CONSIDER(i)                                                                                           \
   for (bool go = i < count; go; go = false) {                                                                  \
-    vec3 other = dcaa_facet(surface[i].facet);                                                                 \
+    vec3 other = plane[i].normal;                                                                              \
     precise float cosine = normal.x * other.x + normal.y * other.y + normal.z * other.z;                       \
-    float share = dcaa_shared_depth(dcaa_interval(other, surface[i].depth, ray, view), interval);              \
+    float share = dcaa_shared_depth(dcaa_interval(plane[i], surface[i].depth), interval);                      \
     precise float score = (cosine - COS_NORMAL_ANGLE) * per_cosine + share;                                    \
     bool better = cosine > COS_NORMAL_ANGLE && share >= 0.0 && score > best;                                   \
     best = better ? score : best;                                                                              \
@@ -179,23 +193,36 @@ void dcaa_add_shown(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
       DcaaSurface old = surface[0];
       for (uint i = 1u; i < SURFACES; ++i) old = dcaa_select(target == i, surface[i], old);
       fragment = dcaa_merged(old, fragment);
+      own = dcaa_plane(fragment, ray, view);
       word = count_more(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS, 1u);
     }
   }
-  for (bool go = !merges && count == SURFACES; go; go = false) dcaa_make_room(word, surface, fragment, ray, view);
+  for (bool go = !merges && count == SURFACES; go; go = false)
+    dcaa_make_room(word, surface, plane, fragment, own, ray, view);
 
-  for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(target == i, fragment, surface[i]);
+  for (uint i = 0u; i < SURFACES; ++i) {
+    surface[i] = dcaa_select(target == i, fragment, surface[i]);
+    plane[i] = dcaa_select(target == i, own, plane[i]);
+  }
   bool added = !merges && count < SURFACES;
   word += added ? 1u : 0u;
 }
 
-// Adds a fragment, which covers at least one sample, to the pixel.
-void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment,
-              vec3 ray, DcaaView view) {
+// Adds a fragment, which covers at least one sample, to the pixel. `plane`: of each surface, dcaa_plane().
+void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], inout DcaaPlane plane[DCAA_MAX_SURFACES],
+              DcaaSurface fragment, vec3 ray, DcaaView view) {
+  DcaaPlane own = dcaa_plane(fragment, ray, view);
   if (dcaa_option(DCAA_SHOWN_PART))
-    fragment.coverage = dcaa_not_hidden(field_of(word, 0u, DCAA_COUNT_BITS), surface, fragment, ray, view);
+    fragment.coverage = dcaa_not_hidden(field_of(word, 0u, DCAA_COUNT_BITS), surface, plane, fragment, own);
   for (bool shows = fragment.coverage != uvec2(0u); shows; shows = false)
-    dcaa_add_shown(word, surface, fragment, ray, view);
+    dcaa_add_shown(word, surface, plane, fragment, own, ray, view);
+}
+
+// The same for one fragment alone.
+void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment, vec3 ray, DcaaView view) {
+  DcaaPlane plane[DCAA_MAX_SURFACES];
+  for (uint i = 0u; i < SURFACES; ++i) plane[i] = dcaa_plane(surface[i], ray, view);
+  dcaa_add(word, surface, plane, fragment, ray, view);
 }
 
 #endif

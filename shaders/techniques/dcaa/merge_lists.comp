@@ -27,6 +27,8 @@ void main() {
   for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_unpack(state, i);
   DcaaView camera = view;
   vec3 ray = dcaa_ray(pixel, camera);
+  DcaaPlane plane[DCAA_MAX_SURFACES];
+  for (uint i = 0u; i < SURFACES; ++i) plane[i] = DcaaPlane(vec3(0.0), vec2(0.0));
   uint word = 0u;
   for (uint i = begin; i < end; ++i) {
     uint number = push.lists.numbers.number[i];
@@ -40,7 +42,7 @@ void main() {
     fragment.roughness = more.x;
     fragment.emission = more.y;
     fragment.moments = dcaa_moments_of(fragment.normal);
-    dcaa_add(word, surface, fragment, ray, camera);
+    dcaa_add(word, surface, plane, fragment, ray, camera);
   }
   state.word[0] = word;
   for (uint i = 0u; i < SURFACES; ++i) dcaa_pack(surface[i], i, state);

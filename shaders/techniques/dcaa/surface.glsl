@@ -184,10 +184,20 @@ float dcaa_distance(float place_a, vec3 a, float place_b, vec3 b) {
   return d;
 }
 
+// What the stored words of a surface say of its plane.
+struct DcaaPlane {
+  vec3 normal;
+  vec2 slopes;
+};
+DcaaPlane dcaa_plane(DcaaSurface s, vec3 ray, DcaaView view) {
+  vec3 normal = dcaa_facet(s.facet);
+  return DcaaPlane(normal, dcaa_slopes(normal, s.depth, ray, view));
+}
+
 // Farthest and nearest depth of the plane over the pixel, each moved out by one unit of the stored depth, so that two
 // surfaces of one plane that faces the eye overlap whatever their depths were rounded to.
-vec2 dcaa_interval(vec3 n, float depth, vec3 ray, DcaaView view) {
-  vec2 slope = abs(dcaa_slopes(n, depth, ray, view));
+vec2 dcaa_interval(DcaaPlane plane, float depth) {
+  vec2 slope = abs(plane.slopes);
   float unit = uintBitsToFloat((127u + 5u - min(DEPTH_BITS, 28u)) << 23);
   precise float reach = DEPTH_REACH * (slope.x + slope.y) + depth * unit;
   precise vec2 interval = vec2(depth - reach, depth + reach);
