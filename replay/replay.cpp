@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <future>
 #include <map>
+#include <memory>
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
@@ -95,21 +97,27 @@ class Replay {
  private:
   void make_head();
   // The current frame's reference for a technique's shading model and resolve; null without references.
-  const Reference* reference_for(std::uint32_t frame, const TechniqueSetting& planned);
-  FrameResult run_technique(std::uint32_t frame, std::size_t which);
+  std::shared_ptr<const Reference> reference_for(std::uint32_t frame, const TechniqueSetting& planned);
+  void run_technique(std::uint32_t frame, std::size_t which);
   // `stem` is what the names of the result's files begin with.
   void inspect(RecordedFrame& recorded, const FrameResult& result, const std::string& stem);
-  void measure(FrameResult& result, FrameImages images, std::size_t which, const std::string& stem);
+  // Errors, maps and files of a result, which lack nothing of the device: on another thread, while this one prepares
+  // the next technique and lets it compile. One at a time, and never beside a timed run.
+  struct Truths {
+    std::shared_ptr<const Reference> now, before;  // `before`: of the frame before this one
+  };
+  void start_measuring(FrameResult result, FrameImages images, std::size_t which, std::string stem);
+  void finish_measuring();
+  void measure(FrameResult& result, FrameImages images, const Truths& truths, std::size_t which,
+               const std::string& stem);
   bool skipped(std::uint32_t frame, std::size_t which) const;
   void progress(const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) const {
     if (events_.progress) events_.progress(stage, done, total, detail);
   }
   // The part of the time outside of passes that runs from here on; returns the one that ends here.
   std::string now(std::string part) { return clock_.enter(std::move(part), device_.total_ms()); }
-  std::string write_png(const std::string& name, const Image& image) {
-    const std::string before = now("write");
+  std::string write_png(const std::string& name, const Image& image) const {
     write_file_atomically(job_.out_dir / name, encode_png(image));
-    now(before);
     return name;
   }
 
@@ -125,9 +133,16 @@ class Replay {
   std::unique_ptr<FrameScene> scene_;
   std::uint32_t width_ = 0, height_ = 0;
   ResultsHead head_;
-  std::map<ReferenceKind, Reference> references_, references_before_;  // of this frame and the one before
-  std::vector<Image> before_;                                          // each technique's image of the frame before
+  std::map<ReferenceKind, std::shared_ptr<const Reference>> references_,
+      references_before_;      // this frame's, the last's
+  std::vector<Image> before_;  // each technique's image of the frame before; the measuring thread's
   std::optional<std::uint32_t> frame_before_;
+  Results results_;
+  struct Measured {
+    std::size_t which;
+    std::future<FrameResult> result;
+  };
+  std::optional<Measured> measuring_;  // the last member: it ends before what it works on
 };
 
 void Replay::make_head() {
@@ -182,7 +197,6 @@ Results Replay::run() {
   if (events_.head) events_.head(head_);
   before_.resize(planned_.size());
 
-  Results results;
   for (std::uint32_t frame = first; frame <= last; ++frame) {
     std::vector<std::size_t> wanted;
     for (std::size_t which = 0; which < planned_.size(); ++which)
@@ -195,28 +209,26 @@ Results Replay::run() {
       const auto total = static_cast<std::uint32_t>((last - first + 1) * planned_.size());
       const auto done = static_cast<std::uint32_t>((frame - first) * planned_.size() + which);
       progress("replay", done, total, fmt::format("frame {} {}", frame, planned_[which].technique->name));
-      FrameResult result = run_technique(frame, which);
-      now("report");
-      if (events_.result) events_.result(static_cast<std::uint32_t>(which), result);
-      results.results.push_back(std::move(result));
+      run_technique(frame, which);
     }
     references_before_ = std::move(references_);
     frame_before_ = frame;
   }
+  finish_measuring();
   now("");
   head_.wall_s = clock_.wall_s();
   head_.outside_gpu_s = head_.wall_s - device_.total_ms() * 1e-3;
   head_.outside_parts_s = clock_.seconds();
   if (events_.head) events_.head(head_);
-  results.head = head_;
-  return results;
+  results_.head = head_;
+  return std::move(results_);
 }
 
-const Reference* Replay::reference_for(std::uint32_t frame, const TechniqueSetting& planned) {
+std::shared_ptr<const Reference> Replay::reference_for(std::uint32_t frame, const TechniqueSetting& planned) {
   if (options_.reference_samples == 0) return nullptr;
   const ReferenceKind kind = reference_kind(planned);
   const auto found = references_.find(kind);
-  if (found != references_.end()) return &found->second;
+  if (found != references_.end()) return found->second;
   ReferenceOptions wanted;
   wanted.samples = options_.reference_samples;
   wanted.shading_model = static_cast<std::uint32_t>(kind.first);
@@ -227,16 +239,17 @@ const Reference* Replay::reference_for(std::uint32_t frame, const TechniqueSetti
   const std::string before = now("reference");
   CachedReference cached = cached_reference(device_, scene_->scene, head_.capture_hash, frame, wanted,
                                             ReferenceCache(job_.cache_dir), report);
-  now(before);
+  now("write");
   if (!cached.store_error.empty()) progress("reference", 1, 1, "not cached: " + cached.store_error);
   Reference reference{std::move(cached.image), fmt::format("frame{:04}_reference{}.png", frame, references_.size())};
   write_png(reference.file, reference.image.display);
+  now(before);
   reference.invalid_pixels = invalid_pixels(reference.image.linear);
   mark_not_finite(reference.image.linear, reference.image.display);
-  return &references_.emplace(kind, std::move(reference)).first->second;
+  return references_.emplace(kind, std::make_shared<const Reference>(std::move(reference))).first->second;
 }
 
-FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
+void Replay::run_technique(std::uint32_t frame, std::size_t which) {
   const TechniqueSetting& planned = planned_[which];
   now("prepare");
   FrameResult result;
@@ -251,7 +264,7 @@ FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
   {  // before the reference, which shows the scene without jitter
     RecordedFrame recorded(*scene_, planned);
     now("submit");
-    result.ms = recorded.time(options_.repeat);
+    result.ms = recorded.time(options_.repeat, [&] { finish_measuring(); });
     result.memory = recorded.memory();
     result.shading.fragments = recorded.count_fragments();
     result.counters = recorded.counters();
@@ -259,8 +272,31 @@ FrameResult Replay::run_technique(std::uint32_t frame, std::size_t which) {
     images = recorded.images();
     inspect(recorded, result, stem);
   }
-  measure(result, std::move(images), which, stem);
-  return result;
+  start_measuring(std::move(result), std::move(images), which, stem);
+}
+
+void Replay::start_measuring(FrameResult result, FrameImages images, std::size_t which, std::string stem) {
+  Truths truths{reference_for(result.frame, planned_[which]), nullptr};
+  const auto before = references_before_.find(reference_kind(planned_[which]));
+  if (frame_before_ && *frame_before_ + 1 == result.frame && before != references_before_.end())
+    truths.before = before->second;
+  const auto work = [this, which](FrameResult measured, FrameImages of, const Truths& by, const std::string& names) {
+    measure(measured, std::move(of), by, which, names);
+    return measured;
+  };
+  measuring_ = {which, std::async(std::launch::async, work, std::move(result), std::move(images), std::move(truths),
+                                  std::move(stem))};
+}
+
+void Replay::finish_measuring() {
+  if (!measuring_) return;
+  const std::string before = now("measure");
+  Measured measured = *std::exchange(measuring_, std::nullopt);
+  FrameResult result = measured.result.get();
+  now("report");
+  if (events_.result) events_.result(static_cast<std::uint32_t>(measured.which), result);
+  results_.results.push_back(std::move(result));
+  now(before);
 }
 
 void Replay::inspect(RecordedFrame& recorded, const FrameResult& result, const std::string& stem) {
@@ -287,7 +323,8 @@ std::uint64_t group_executions(const std::vector<std::uint32_t>& counts, std::ui
   return sum;
 }
 
-void Replay::measure(FrameResult& result, FrameImages images, std::size_t which, const std::string& stem) {
+void Replay::measure(FrameResult& result, FrameImages images, const Truths& truths, std::size_t which,
+                     const std::string& stem) {
   const std::size_t pixels = images.executions.size();
   std::vector<std::uint32_t> counts(pixels);
   std::transform(images.executions.begin(), images.executions.end(), counts.begin(),
@@ -304,9 +341,7 @@ void Replay::measure(FrameResult& result, FrameImages images, std::size_t which,
 
   result.images["image"] = write_png(stem + ".png", images.display);
   mark_not_finite(images.radiance, images.display);  // a tone curve may have made a colour of what is none
-  now("write");
   write_file_atomically(job_.out_dir / (stem + ".exr"), encode_exr(images.radiance));
-  now("measure");
   result.images["hdr"] = stem + ".exr";
   result.images["shading"] = write_png(stem + "_shading.png", colour_counts(width_, height_, counts, result.samples));
   for (const auto& [name, values] : images.maps) {
@@ -320,11 +355,10 @@ void Replay::measure(FrameResult& result, FrameImages images, std::size_t which,
       result.counters[name] = total;
     }
   }
-  const Reference* reference = reference_for(result.frame, planned_[which]);
-  if (!reference) return;
-  const ReferenceImage& truth = reference->image;
-  result.images["reference"] = reference->file;
-  if (reference->invalid_pixels > 0) result.counters["invalid_reference_pixels"] = reference->invalid_pixels;
+  if (!truths.now) return;
+  const ReferenceImage& truth = truths.now->image;
+  result.images["reference"] = truths.now->file;
+  if (truths.now->invalid_pixels > 0) result.counters["invalid_reference_pixels"] = truths.now->invalid_pixels;
   result.error.mse = mse(truth.display, images.display);
   result.error.psnr_db = psnr_db(result.error.mse);
   result.error.hdr_rel_mse = hdr_relative_mse(truth.linear, images.radiance);
@@ -332,10 +366,8 @@ void Replay::measure(FrameResult& result, FrameImages images, std::size_t which,
   result.error.flip_mean = perceived.mean;
   result.error.flip_p99 = perceived.p99;
   result.error.flip_max = perceived.maximum;
-  const auto truth_before = references_before_.find(reference_kind(planned_[which]));
-  if (frame_before_ && *frame_before_ + 1 == result.frame && before_[which].width != 0 &&
-      truth_before != references_before_.end())
-    result.error.flicker = flicker(truth_before->second.image.display, truth.display, before_[which], images.display);
+  if (truths.before && before_[which].width != 0)
+    result.error.flicker = flicker(truths.before->image.display, truth.display, before_[which], images.display);
   result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(truth.display, images.display)));
   before_[which] = std::move(images.display);
 }

@@ -95,9 +95,10 @@ double RecordedFrame::run() {
   return ms;
 }
 
-Timing RecordedFrame::time(std::uint32_t repeat) {
+Timing RecordedFrame::time(std::uint32_t repeat, const std::function<void()>& after_cold) {
   Timing result;
   result.cold_ms = run();
+  if (after_cold) after_cold();
   if (repeat > 0) recorder_.clear_timings();
   for (std::uint32_t i = 0; i < repeat; ++i) recorder_.run();
   std::vector<double> totals(std::max(repeat, 1u), 0.0);

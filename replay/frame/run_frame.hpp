@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -37,8 +38,8 @@ class RecordedFrame {
   // Runs all passes once; returns their ms.
   double run();
   // Runs them for the first time, then `repeat` times that count; the passes of a `repeat` of 0 have the first run's
-  // times.
-  Timing time(std::uint32_t repeat);
+  // times. `after_cold` is called between.
+  Timing time(std::uint32_t repeat, const std::function<void()>& after_cold = {});
 
   // Of what the last run left.
   Memory memory() const;

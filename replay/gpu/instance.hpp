@@ -24,6 +24,9 @@ class Instance {
 
   VkInstance get() const { return instance_.get(); }
 
+  // Whether the validation layer's messages are taken.
+  bool listens() const { return listener_ && listener_->messages; }
+
   // Names an object of `device` for messages, RenderDoc and other layers. Nothing happens unless names are on.
   template <typename Handle>
   void name(VkDevice device, VkObjectType type, Handle handle, const std::string& name) const {

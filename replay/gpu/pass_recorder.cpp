@@ -38,7 +38,7 @@ void DrawEncoder::push(const PushConstants& push) {
 }
 void DrawEncoder::pipeline(std::size_t number) {
   const RasterDescription& description = number == 0 ? pass_.pipeline : pass_.alternatives.at(number - 1);
-  vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, device_.pipelines().raster(description));
+  vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, device_.pipelines().raster(description).get());
 }
 void DrawEncoder::material(VkDescriptorSet set) {
   vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, device_.pipelines().layout(), 1, 1, &set, 0,
@@ -289,9 +289,9 @@ void PassRecorder::compute(ComputePass pass) {
          nullptr,
          {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
   require_interface(pass.name, {pass.shader}, std::move(supplied), pass.constants, pass.bindings, pass.push, step.uses);
-  const VkPipeline pipeline = device_.pipelines().compute(pass.shader, pass.constants);
-  step.record = [this, pipeline, pass = std::move(pass)](VkCommandBuffer commands) {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+  const Pipeline& pipeline = device_.pipelines().compute(pass.shader, pass.constants);
+  step.record = [this, &pipeline, pass = std::move(pass)](VkCommandBuffer commands) {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
     bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.bindings, {});
     if (pass.material)
       vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, device_.pipelines().layout(), 1, 1,
@@ -336,6 +336,11 @@ VkFramebuffer PassRecorder::framebuffer(const RasterPass& pass, VkRenderPass ren
 
 void PassRecorder::raster(RasterPass pass) {
   const bool ordered = pass.pipeline.targets.ordered_read;
+  if (ordered && !device_.info().ordered_attachments)
+    throw DeviceError("device",
+                      fmt::format("{} has no {}, without which the pass has no order of fragments",
+                                  device_.info().device, kOrderedAttachments),
+                      "pass " + pass.name);
   SuppliedInterface supplied;
   supplied.push_bytes = pass.push.size;
   supplied.material = static_cast<bool>(pass.draws);  // bound between the draws
@@ -385,13 +390,13 @@ void PassRecorder::raster(RasterPass pass) {
     alternative.targets = pass.pipeline.targets;
     require(alternative);
   }
-  const VkPipeline pipeline = device_.pipelines().raster(pass.pipeline);
+  const Pipeline& pipeline = device_.pipelines().raster(pass.pipeline);
   const VkRenderPass render_pass = device_.pipelines().render_pass(pass.pipeline.targets);
   const VkFramebuffer target = framebuffer(pass, render_pass);
   const VkExtent2D extent = extent_of(pass);
   timings_[step.timing].times_all += pass.triangles == Triangles::all ? 1 : 0;
   if (!pass.draws) timings_[step.timing].screen_pixels += std::uint64_t{extent.width} * extent.height;
-  step.record = [this, pipeline, render_pass, target, extent, ordered,
+  step.record = [this, &pipeline, render_pass, target, extent, ordered,
                  pass = std::move(pass)](VkCommandBuffer commands) {
     std::vector<VkClearValue> clears;
     for (const auto& bits : pass.clear_colours) {
@@ -410,7 +415,7 @@ void PassRecorder::raster(RasterPass pass) {
     begin.clearValueCount = static_cast<std::uint32_t>(clears.size());
     begin.pClearValues = clears.data();
     vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
     bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.bindings, ordered ? pass.colours : std::vector<Attachment>{});
     DrawEncoder encoder(device_, commands, pass);
     encoder.push(pass.push);

@@ -1,5 +1,7 @@
 #include "replay/gpu/pipeline.hpp"
 
+#include <thread>
+
 #include "shaders/embedded.hpp"
 
 namespace subpixel::gpu {
@@ -31,7 +33,8 @@ VkDescriptorType binding_type(std::uint32_t binding) {
 
 }  // namespace
 
-PipelineCache::PipelineCache(Device& device) : device_(device) {
+PipelineCache::PipelineCache(Device& device)
+    : device_(device), threads_(std::max(1u, std::thread::hardware_concurrency())) {
   std::vector<VkDescriptorSetLayoutBinding> bindings(kBindings);
   for (std::uint32_t i = 0; i < kBindings; ++i) {
     const VkDescriptorType type = binding_type(i);
@@ -96,23 +99,41 @@ VkShaderModule PipelineCache::module(const std::string& shader) {
   return found.get();
 }
 
-VkPipeline PipelineCache::compute(const std::string& shader, const Constants& constants) {
-  auto& found = compute_[{shader, constants}];
-  if (found) return found.get();
-  const Instance::Work work(device_.instance(), "pipeline", shader);
-  const Specialization specialization(constants);
-  VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-  create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
-  create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  create.stage.module = module(shader);
-  create.stage.pName = "main";
-  create.stage.pSpecializationInfo = &specialization.info;
-  create.layout = layout_.get();
-  check(
-      vkCreateComputePipelines(device_.handle(), VK_NULL_HANDLE, 1, &create, nullptr, found.made_by(device_.handle())),
-      "pipeline " + shader);
-  device_.name(VK_OBJECT_TYPE_PIPELINE, found.get(), shader);
-  return found.get();
+void PipelineCache::begin(Pipeline& pipeline, const std::string& name, std::function<void(VkPipeline*)> make) {
+  VkPipeline* const handle = pipeline.handle_.made_by(device_.handle());
+  // What the validation layer says of one is told apart by what the host is at, which is one thing at a time.
+  const bool alone = device_.instance().listens();
+  const auto policy = alone ? std::launch::deferred : std::launch::async;
+  pipeline.made_ = std::async(policy, [this, handle, name, make = std::move(make)] {
+                     threads_.acquire();
+                     struct Release {
+                       std::counting_semaphore<>& threads;
+                       ~Release() { threads.release(); }
+                     } const release{threads_};
+                     const Instance::Work work(device_.instance(), "pipeline", name);
+                     make(handle);
+                     device_.name(VK_OBJECT_TYPE_PIPELINE, *handle, name);
+                   }).share();
+  if (alone) pipeline.made_.get();
+}
+
+const Pipeline& PipelineCache::compute(const std::string& shader, const Constants& constants) {
+  auto [found, is_new] = compute_.try_emplace({shader, constants});
+  if (!is_new) return found->second;
+  const VkShaderModule code = module(shader);
+  begin(found->second, shader, [this, shader, constants, code](VkPipeline* pipeline) {
+    const Specialization specialization(constants);
+    VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+    create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    create.stage.module = code;
+    create.stage.pName = "main";
+    create.stage.pSpecializationInfo = &specialization.info;
+    create.layout = layout_.get();
+    check(vkCreateComputePipelines(device_.handle(), VK_NULL_HANDLE, 1, &create, nullptr, pipeline),
+          "pipeline " + shader);
+  });
+  return found->second;
 }
 
 VkRenderPass PipelineCache::render_pass(const RenderPassDescription& description) {
@@ -163,24 +184,27 @@ VkRenderPass PipelineCache::render_pass(const RenderPassDescription& description
   return found.get();
 }
 
-VkPipeline PipelineCache::raster(const RasterDescription& description) {
-  auto& found = raster_[description];
-  if (found) return found.get();
-  const std::string name = description.vertex + " + " + description.fragment;
-  const Instance::Work work(device_.instance(), "pipeline", name);
+namespace {
+
+struct RasterModules {
+  VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
+};
+
+void make_raster(VkDevice device, VkPipelineLayout layout, VkRenderPass render_pass, const RasterModules& modules,
+                 const RasterDescription& description, VkPipeline* pipeline) {
   const Specialization specialization(description.constants);
   std::vector<VkPipelineShaderStageCreateInfo> stages;
-  const auto add_stage = [&](VkShaderStageFlagBits stage, const std::string& shader) {
-    if (shader.empty()) return;
+  const auto add_stage = [&](VkShaderStageFlagBits stage, VkShaderModule code) {
+    if (code == VK_NULL_HANDLE) return;
     VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
     info.stage = stage;
-    info.module = module(shader);
+    info.module = code;
     info.pName = "main";
     info.pSpecializationInfo = &specialization.info;
     stages.push_back(info);
   };
-  add_stage(VK_SHADER_STAGE_VERTEX_BIT, description.vertex);
-  add_stage(VK_SHADER_STAGE_FRAGMENT_BIT, description.fragment);
+  add_stage(VK_SHADER_STAGE_VERTEX_BIT, modules.vertex);
+  add_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules.fragment);
 
   VkPipelineVertexInputStateCreateInfo vertex_input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
   VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
@@ -228,13 +252,27 @@ VkPipeline PipelineCache::raster(const RasterDescription& description) {
   create.pDepthStencilState = &depth;
   create.pColorBlendState = &blending;
   create.pDynamicState = &dynamic;
-  create.layout = layout_.get();
-  create.renderPass = render_pass(description.targets);
-  check(
-      vkCreateGraphicsPipelines(device_.handle(), VK_NULL_HANDLE, 1, &create, nullptr, found.made_by(device_.handle())),
-      "pipeline " + name);
-  device_.name(VK_OBJECT_TYPE_PIPELINE, found.get(), name);
-  return found.get();
+  create.layout = layout;
+  create.renderPass = render_pass;
+  check(vkCreateGraphicsPipelines(device, VK_NULL_HANDLE, 1, &create, nullptr, pipeline),
+        "pipeline " + description.vertex + " + " + description.fragment);
+}
+
+}  // namespace
+
+const Pipeline& PipelineCache::raster(const RasterDescription& description) {
+  auto [found, is_new] = raster_.try_emplace(description);
+  if (!is_new) return found->second;
+  const auto code = [&](const std::string& shader) {
+    return shader.empty() ? VkShaderModule{VK_NULL_HANDLE} : module(shader);
+  };
+  const RasterModules modules{code(description.vertex), code(description.fragment)};
+  const VkRenderPass pass = render_pass(description.targets);
+  begin(found->second, description.vertex + " + " + description.fragment,
+        [this, description, modules, pass](VkPipeline* pipeline) {
+          make_raster(device_.handle(), layout_.get(), pass, modules, description, pipeline);
+        });
+  return found->second;
 }
 
 }  // namespace subpixel::gpu

@@ -1,4 +1,5 @@
-// Pipelines by description, made once and kept: the first run of a pipeline pays its compilation.
+// Pipelines by description, made once and kept, on threads of their own: drivers take long over it. The first run of a
+// pipeline pays its compilation.
 //
 // All pipelines share one layout, whose numbers are those of shaders/include/interface.h:
 //   set 0, push descriptors: uniform buffer | storage buffers | combined image samplers | storage images |
@@ -7,8 +8,10 @@
 //   push constants: 128 bytes, all stages
 #pragma once
 
+#include <future>
 #include <map>
 #include <memory>
+#include <semaphore>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,13 +61,29 @@ struct RasterDescription {
   auto operator<=>(const RasterDescription&) const = default;
 };
 
+// A pipeline that is made or being made.
+class Pipeline {
+ public:
+  // Waits for it. Throws DeviceError when it could not be made.
+  VkPipeline get() const {
+    made_.get();
+    return handle_.get();
+  }
+
+ private:
+  friend class PipelineCache;
+  UniquePipeline handle_;
+  std::shared_future<void> made_;  // ends before what it fills
+};
+
 class PipelineCache {
  public:
   explicit PipelineCache(Device& device);
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout material_set_layout() const { return material_layout_.get(); }
-  VkPipeline compute(const std::string& shader, const Constants& constants);
-  VkPipeline raster(const RasterDescription& description);
+  // Begin to make it unless that is done. Pipelines stay where they are as long as the cache.
+  const Pipeline& compute(const std::string& shader, const Constants& constants);
+  const Pipeline& raster(const RasterDescription& description);
   VkRenderPass render_pass(const RenderPassDescription& description);
   // What a shader of the build declares; walked once.
   const ShaderInterface& interface(const std::string& shader);
@@ -73,16 +92,20 @@ class PipelineCache {
 
  private:
   VkShaderModule module(const std::string& shader);
+  // `make` fills the pipeline's handle, on as many threads as the machine has.
+  void begin(Pipeline& pipeline, const std::string& name, std::function<void(VkPipeline*)> make);
 
   Device& device_;
+  std::counting_semaphore<> threads_;
   UniqueSetLayout push_layout_, material_layout_;
   UniquePipelineLayout layout_;
   std::map<std::string, UniqueShaderModule> modules_;
   std::map<std::string, ShaderInterface> interfaces_;
   std::map<std::string, std::vector<std::uint32_t>> folder_constants_;
-  std::map<std::pair<std::string, Constants>, UniquePipeline> compute_;
-  std::map<RasterDescription, UniquePipeline> raster_;
   std::map<RenderPassDescription, UniqueRenderPass> render_passes_;
+  // The last members, which end first: what is being made needs the others.
+  std::map<std::pair<std::string, Constants>, Pipeline> compute_;
+  std::map<RasterDescription, Pipeline> raster_;
 };
 
 }  // namespace subpixel::gpu

@@ -2,24 +2,30 @@
 
 #include <vulkan/vulkan.h>
 
+#include <mutex>
+
 namespace subpixel::tests {
 namespace {
 
+std::mutex mutex;  // pipelines are made on threads of their own
 std::size_t fail_at = 0, calls = 0;
 std::map<std::string, int> live;
 
 // Whether this call is the one to fail.
 bool fails() {
+  const std::lock_guard lock(mutex);
   return ++calls == fail_at;
 }
 
 VkResult made(VkResult result, const char* what) {
+  const std::lock_guard lock(mutex);
   if (result >= 0) ++live[what];
   return result;
 }
 
 template <typename Handle>
 void destroyed(Handle handle, const char* what) {
+  const std::lock_guard lock(mutex);
   if (handle != VK_NULL_HANDLE && --live[what] == 0) live.erase(what);
 }
 
