@@ -184,7 +184,11 @@ int list_devices() {
     const gpu::VulkanDevice& device = devices[i];
     const std::string state = !device.missing.empty() ? fmt::format("lacks {}", fmt::join(device.missing, ", "))
                               : device.is_lavapipe    ? "taken by default"
-                                                      : "has what passes need";
+                              : device.slower.empty() ? "has what passes need"
+                                                      : fmt::format(
+                                                            "without {}, which some passes replace and ordered "
+                                                            "ones need",
+                                                            fmt::join(device.slower, ", "));
     fmt::print("{} {}: {}\n", i, printable(device.name), state);
   }
   return 0;

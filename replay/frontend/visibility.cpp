@@ -99,6 +99,52 @@ void record_small_triangles(gpu::PassRecorder& recorder, const FrontendFrame& fr
   recorder.raster(std::move(pass));
 }
 
+// All triangles of sample group `g` into the image, with no order of fragments needed: what the words of
+// visibility_unordered.frag hold after three geometry passes is gathered.
+void record_unordered(gpu::PassRecorder& recorder, const FrontendFrame& frame, gpu::Image& image,
+                      const std::array<gpu::Buffer*, 3>& words, gpu::AddressTable& table, std::uint32_t group,
+                      std::uint32_t g) {
+  const auto [depths, slots, records] = words;
+  recorder.fill(kPass, *depths, 0);
+  recorder.fill(kPass, *slots, SUBPIXEL_NO_TRIANGLE);
+  recorder.fill(kPass, *records, SUBPIXEL_NO_TRIANGLE);
+  for (const std::string step : {"DEPTH", "SLOT", "RECORD"}) {
+    Frontend::GeometryPass geometry;
+    geometry.fragment_opaque = "frontend/visibility_unordered.frag:" + step;
+    geometry.fragment_alpha = geometry.fragment_opaque + "A";
+    geometry.pass.name = kPass;
+    geometry.pass.pipeline.constants = {{CONSTANT_ALPHA_MODE, static_cast<std::uint32_t>(frame.alpha)},
+                                        {CONSTANT_SAMPLE_GROUP, g},
+                                        {CONSTANT_GROUP_SAMPLES, group}};
+    geometry.pass.size = {frame.width, frame.height};
+    geometry.pass.bindings = {gpu::writes(FRONTEND_SLOT_NEAREST, table)};
+    frame.frontend.record_geometry(recorder, std::move(geometry));
+  }
+  gpu::RasterPass gather;
+  gather.name = kPass;
+  gather.pipeline.vertex = "shade/fullscreen.vert";
+  gather.pipeline.fragment = "frontend/gather_visibility.frag:" + std::to_string(group);
+  gather.pipeline.constants = frame.frontend.constants();
+  gather.push = gpu::PushConstants(
+      gpu_types::NearestPush{.nearest = {gather.reads(*depths), gather.reads(*slots), gather.reads(*records)},
+                             .width = frame.width,
+                             .height = frame.height});
+  const Layers layers = layers_of(group, g);
+  for (std::uint32_t i = 0; i < layers.count; ++i) gather.colours.emplace_back(image, layers.first + i);
+  recorder.raster(std::move(gather));
+}
+
+void record_unordered(gpu::PassRecorder& recorder, const FrontendFrame& frame, gpu::Image& image) {
+  const std::uint32_t samples = frame.frontend.samples(), group = visibility_group(samples);
+  const std::uint64_t bytes = std::uint64_t{frame.width} * frame.height * group * 4;
+  const std::array<gpu::Buffer*, 3> words{&recorder.buffer("nearest depths", bytes),
+                                          &recorder.buffer("nearest triangles", bytes),
+                                          &recorder.buffer("nearest records", bytes)};
+  gpu::AddressTable& table = recorder.address_table("nearest words", sizeof(gpu_types::NearestAddresses));
+  table.set(gpu_types::NearestAddresses{table.of(*words[0]), table.of(*words[1]), table.of(*words[2])});
+  for (std::uint32_t g = 0; g < samples / group; ++g) record_unordered(recorder, frame, image, words, table, group, g);
+}
+
 }  // namespace
 
 std::uint32_t visibility_group(std::uint32_t samples) {
@@ -109,7 +155,8 @@ SmallTriangles choose_small_triangles(const FrontendFrame& frame) {
   const Frontend& frontend = frame.frontend;
   const std::uint64_t range = frame.frontend.device().info().max_storage_buffer_range;
   // Lists cost about what the hulls of 1/32 as many triangles as pixels do.
-  const bool in_lists = 32 * frontend.small_count() > std::uint64_t{frame.width} * frame.height &&
+  const bool in_lists = frame.frontend.device().info().ordered_attachments &&
+                        32 * frontend.small_count() > std::uint64_t{frame.width} * frame.height &&
                         frontend.small_count() * sizeof(gpu_types::SmallTriangle) <= range &&
                         (frontend.small_blocks() + 1) * 4 <= range && !lists_too_long(frame);
   return in_lists ? SmallTriangles::in_lists : SmallTriangles::as_hulls;
@@ -144,6 +191,10 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrontendFrame& 
   const std::uint32_t samples = frame.frontend.samples();
   const std::uint32_t group = visibility_group(samples);
   gpu::Image& image = visibility_image(recorder, frame);
+  if (!recorder.device().info().ordered_attachments) {
+    record_unordered(recorder, frame, image);
+    return image;
+  }
   std::optional<SmallLists> lists;
   if (frame.small == SmallTriangles::in_lists) lists = record_small_lists(recorder, frame);
   for (std::uint32_t g = 0; g < samples / group; ++g) {

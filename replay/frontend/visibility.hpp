@@ -1,4 +1,5 @@
-// The visibility buffer: depth and triangle of every sample, found in one ordered geometry pass for each 16 samples.
+// The visibility buffer: depth and triangle of every sample, found in one ordered geometry pass for each 16 samples, or
+// where the device has no ordered attachments in three passes of atomic operations, which leave the same bits.
 #pragma once
 
 #include "replay/frontend/frontend_frame.hpp"

@@ -51,7 +51,6 @@ const char* result_name(VkResult result) {
 
 constexpr const char* kRequiredExtensions[] = {
     VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME,
-    VK_EXT_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXTENSION_NAME,
 };
 
 struct Features {
@@ -65,7 +64,6 @@ struct Features {
   Features() {
     core.pNext = &v12;
     v12.pNext = &v13;
-    v13.pNext = &order;
   }
   Features(const Features&) = delete;
   Features& operator=(const Features&) = delete;
@@ -87,8 +85,6 @@ constexpr FeatureNeed kNeeds[] = {
     {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
     {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},  // LocalSizeId, which glslang emits
     {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
-    {"rasterizationOrderColorAttachmentAccess",
-     [](Features& f) -> VkBool32& { return f.order.rasterizationOrderColorAttachmentAccess; }},
 };
 
 bool has_extension(VkPhysicalDevice physical, const char* wanted) {
@@ -100,10 +96,18 @@ bool has_extension(VkPhysicalDevice physical, const char* wanted) {
                              [&](const auto& extension) { return std::strcmp(extension.extensionName, wanted) == 0; });
 }
 
+bool has_ordered_attachments(VkPhysicalDevice physical) {
+  if (!has_extension(physical, VK_EXT_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXTENSION_NAME)) return false;
+  Features available;
+  available.v13.pNext = &available.order;
+  vkGetPhysicalDeviceFeatures2(physical, &available.core);
+  return available.order.rasterizationOrderColorAttachmentAccess == VK_TRUE;
+}
+
 bool has_pixel_interlock(VkPhysicalDevice physical) {
   if (!has_extension(physical, VK_EXT_FRAGMENT_SHADER_INTERLOCK_EXTENSION_NAME)) return false;
   Features available;
-  available.order.pNext = &available.interlock;
+  available.v13.pNext = &available.interlock;
   vkGetPhysicalDeviceFeatures2(physical, &available.core);
   return available.interlock.fragmentShaderPixelInterlock == VK_TRUE;
 }
@@ -192,8 +196,10 @@ VkPhysicalDevice named_device(const std::vector<VkPhysicalDevice>& devices, cons
 std::vector<VulkanDevice> vulkan_devices() {
   const Instance instance(false, nullptr);
   std::vector<VulkanDevice> found;
-  for (VkPhysicalDevice device : physical_devices(instance.get()))
-    found.push_back({device_name(device), is_lavapipe(device), missing_needs(device)});
+  for (VkPhysicalDevice device : physical_devices(instance.get())) {
+    VulkanDevice& listed = found.emplace_back(device_name(device), is_lavapipe(device), missing_needs(device));
+    if (listed.missing.empty() && !has_ordered_attachments(device)) listed.slower.emplace_back(kOrderedAttachments);
+  }
   return found;
 }
 
@@ -235,7 +241,11 @@ void Device::choose_physical(const DeviceOptions& options) {
   info_.max_storage_buffer_range = core.limits.maxStorageBufferRange;
   info_.max_buffer_size = maintenance3.maxMemoryAllocationSize;
   info_.max_image_dimension = core.limits.maxImageDimension2D;
-  info_.pixel_interlock = has_pixel_interlock(physical_);
+  const auto wanted = [&](const char* need) {
+    return std::ranges::find(options.without, need) == options.without.end();
+  };
+  info_.ordered_attachments = wanted(kOrderedAttachments) && has_ordered_attachments(physical_);
+  info_.pixel_interlock = wanted(kPixelInterlock) && has_pixel_interlock(physical_);
   timestamp_period_ns_ = core.limits.timestampPeriod;
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 }
@@ -262,10 +272,16 @@ void Device::create_device() {
   create.queueCreateInfoCount = 1;
   create.pQueueCreateInfos = &queue;
   std::vector<const char*> extensions(std::begin(kRequiredExtensions), std::end(kRequiredExtensions));
+  if (info_.ordered_attachments) {
+    extensions.push_back(VK_EXT_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXTENSION_NAME);
+    enabled.order.rasterizationOrderColorAttachmentAccess = VK_TRUE;
+    enabled.v13.pNext = &enabled.order;
+  }
   if (info_.pixel_interlock) {
     extensions.push_back(VK_EXT_FRAGMENT_SHADER_INTERLOCK_EXTENSION_NAME);
     enabled.interlock.fragmentShaderPixelInterlock = VK_TRUE;
-    enabled.order.pNext = &enabled.interlock;
+    enabled.interlock.pNext = enabled.v13.pNext;
+    enabled.v13.pNext = &enabled.interlock;
   }
   create.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   create.ppEnabledExtensionNames = extensions.data();

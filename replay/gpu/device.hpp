@@ -20,6 +20,9 @@ struct DeviceOptions {
   std::string device;
   // The folder all shaders are read from instead of the embedded ones (ShaderLibrary); empty: those.
   std::filesystem::path shaders = shader_folder_of_environment();
+  // Of kOrderedAttachments and kPixelInterlock, those that are left alone though the device has them, so that a test
+  // takes the other path.
+  std::vector<std::string> without;
   bool names = false;  // of buffers, images, pipelines and passes reach Vulkan, for RenderDoc and layers
   // Turns the Khronos validation layer on, and names, and takes what it says until the device has ended (Instance).
   std::vector<std::string>* validation_messages = nullptr;
@@ -31,6 +34,9 @@ struct DeviceInfo {
   VkDeviceSize max_storage_buffer_range = 0;
   VkDeviceSize max_buffer_size = 0;
   std::uint32_t max_image_dimension = 0;
+  // VK_EXT_rasterization_order_attachment_access: visibility in one geometry pass, and the ordered passes of
+  // techniques.
+  bool ordered_attachments = false;
   bool pixel_interlock = false;  // VK_EXT_fragment_shader_interlock: ordered passes use it for state in buffers
 };
 
@@ -39,7 +45,12 @@ struct VulkanDevice {
   std::string name;
   bool is_lavapipe = false;
   std::vector<std::string> missing;  // of what passes need
+  std::vector<std::string> slower;   // of what some passes do otherwise without
 };
+// The features that only some passes need, each of which has another way or says that it has none.
+inline constexpr const char* kOrderedAttachments = "rasterizationOrderColorAttachmentAccess";
+inline constexpr const char* kPixelInterlock = "fragmentShaderPixelInterlock";
+
 // Throws DeviceError when there is no Vulkan or no device.
 std::vector<VulkanDevice> vulkan_devices();
 

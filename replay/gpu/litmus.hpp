@@ -16,7 +16,8 @@ struct LitmusResult {
 
 // Draws overlapping triangles whose fragments read the pixel, check that the triangle before them wrote it, and write.
 LitmusResult run_order_litmus(Device& device, OrderedMemory memory);
-// Throws DeviceError with the counts when any fragment was out of order or lost, in either memory.
+// Throws DeviceError with the counts when any fragment was out of order or lost, in either memory. Of a device without
+// ordered attachments nothing is asked: passes that need order refuse it (require_order()).
 void require_ordered_access(Device& device);
 
 }  // namespace subpixel::gpu

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "replay/techniques/dcaa_view.hpp"
 #include "replay/techniques/deferred.hpp"
@@ -152,21 +151,21 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dca
   geometry.pass.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table)};
   recorder.host(once([setup, geometry, pass] {
     gpu::PassRecorder own(setup.frontend.device());
-    gpu::Image& found = target_image(own, setup, "dcaa found", VK_FORMAT_R32G32B32A32_UINT);
+    gpu::Buffer& found = own.buffer("dcaa found", padded_pixels(setup) * 16);
+    own.fill(geometry.pass.name, found, 0);
+    gpu::AddressTable& address = own.address_table("dcaa found address", sizeof(VkDeviceAddress));
+    address.set(address.of(found));
     Frontend::GeometryPass examine = geometry;
-    attach_ordered(examine.pass, found);
+    examine.pass.size = {setup.width, setup.height};
+    examine.pass.bindings.push_back(gpu::writes(DCAA_SLOT_FOUND, address));
     setup.frontend.record_geometry(own, std::move(examine));
     gpu::RasterPass maps = pass;
-    maps.bindings.push_back(gpu::samples(DCAA_SLOT_FOUND, found));
+    maps.bindings.push_back(gpu::reads(DCAA_SLOT_FOUND, address));
     own.raster(std::move(maps));
     own.run();
-    const auto bytes = gpu::download(own.device(), found);
     std::uint64_t decisions = 0;
-    for (std::size_t texel = 0; texel < bytes.size(); texel += 16) {
-      std::uint32_t here = 0;
-      std::memcpy(&here, bytes.data() + texel + 8, sizeof(here));
-      decisions += here;
-    }
+    const auto words = found.as<glm::uvec4>().first(std::size_t{setup.width} * setup.height);
+    for (const glm::uvec4& pixel : words) decisions += pixel.z;
     setup.outputs.counters["table_decisions"] = decisions;
   }));
 }

@@ -1,22 +1,30 @@
 #include "replay/techniques/ordered_state.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "base/error.hpp"
 #include "replay/frame/frame_images.hpp"
 #include "shaders/include/ordered_state.h"
 
 namespace subpixel::replay {
 namespace {
 
-// Pixels to allot to a buffer that full-screen passes read by address: devices shade whole blocks of up to 4x4 pixels,
-// of which those beyond the border read, too.
-std::uint64_t state_pixels(const FrameSetup& setup) {
-  return std::uint64_t{setup.width} * ((setup.height + 3) / 4 * 4) + 4;
-}
-
 // INTERLOCK where the device orders accesses to buffers, else BUFFER, whose order the start-up litmus has proven.
 const char* buffer_variant(const gpu::Device& device) {
   return device.info().pixel_interlock ? "INTERLOCK" : "BUFFER";
+}
+
+// Of the fragments that reach a buffer: the interlock's, or that which the litmus at start-up has proven.
+void require_order(const gpu::Device& device, const std::string& pass) {
+  const gpu::DeviceInfo& info = device.info();
+  if (info.ordered_attachments || info.pixel_interlock) return;
+  throw DeviceError("device",
+                    fmt::format("{} has neither {} nor {}, so that the pass has no order of fragments; only lists "
+                                "(order=lists, of frames that have them) do without",
+                                info.device, gpu::kOrderedAttachments, gpu::kPixelInterlock),
+                    "pass " + pass);
 }
 
 gpu::AddressTable& address_of(gpu::PassRecorder& recorder, gpu::Buffer& buffer) {
@@ -27,6 +35,10 @@ gpu::AddressTable& address_of(gpu::PassRecorder& recorder, gpu::Buffer& buffer) 
 
 }  // namespace
 
+std::uint64_t padded_pixels(const FrameSetup& setup) {
+  return std::uint64_t{setup.width} * ((setup.height + 3) / 4 * 4) + 4;
+}
+
 void OrderedState::bind(gpu::RasterPass& pass) const {
   pass.bindings.push_back(image != nullptr ? gpu::samples(ORDERED_SLOT_ATTACHMENTS, *image)
                                            : gpu::reads(ORDERED_SLOT_ADDRESS, *address));
@@ -36,11 +48,11 @@ void OrderedState::bind(gpu::RasterPass& pass) const {
 OrderedState make_ordered_state(gpu::PassRecorder& recorder, const FrameSetup& setup, const std::string& name,
                                 std::uint32_t quads, bool in_buffer) {
   OrderedState state;
-  if (quads <= ORDERED_MOST_ATTACHMENTS && !in_buffer) {
+  if (quads <= ORDERED_MOST_ATTACHMENTS && !in_buffer && recorder.device().info().ordered_attachments) {
     state.image = &target_array(recorder, setup, name, VK_FORMAT_R32G32B32A32_UINT,
                                 std::max<std::uint32_t>(quads, ORDERED_FEWEST_ATTACHMENTS));
   } else {
-    state.words = &recorder.buffer(name, state_pixels(setup) * quads * 16);
+    state.words = &recorder.buffer(name, padded_pixels(setup) * quads * 16);
     state.address = &address_of(recorder, *state.words);
   }
   return state;
@@ -61,6 +73,7 @@ void record_ordered(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
     geometry.fragment_opaque = shader + ":" + std::to_string(state.image->description().layers);
     attach_ordered(geometry.pass, *state.image);
   } else {
+    require_order(recorder.device(), geometry.pass.name);
     geometry.fragment_opaque = shader + ":" + buffer_variant(recorder.device());
     recorder.fill(geometry.pass.name, *state.words, 0);
     geometry.pass.bindings.push_back(gpu::writes(ORDERED_SLOT_ADDRESS, *state.address));

@@ -30,6 +30,10 @@ struct OrderedState {
   void bind(gpu::RasterPass& pass) const;
 };
 
+// Pixels to allot to a buffer that full-screen passes read by address: devices shade whole blocks of up to 4x4 pixels,
+// of which those beyond the border read, too.
+std::uint64_t padded_pixels(const FrameSetup& setup);
+
 // A state of `quads` times four words a pixel. Up to 32 words lie in attachments, whose order the device promises;
 // more, and what lists fill, in a buffer.
 OrderedState make_ordered_state(gpu::PassRecorder& recorder, const FrameSetup& setup, const std::string& name,

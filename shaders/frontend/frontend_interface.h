@@ -27,6 +27,8 @@
 #define FRONTEND_SLOT_SMALL_TRIANGLES 5
 #define FRONTEND_SLOT_BLOCK_ENDS 6
 #define FRONTEND_SLOT_BLOCK_LISTS 7
+// Visibility without an order of fragments; a NearestAddresses:
+#define FRONTEND_SLOT_NEAREST 0
 // Lists of fragments; slots of techniques' own begin behind the first.
 #define FRONTEND_SLOT_LISTS 0           // a ListAddresses
 #define FRONTEND_SLOT_FRAGMENT_BASES 4  // of records
@@ -47,6 +49,7 @@ BUFFER_REFERENCE(Fragments)
 BUFFER_REFERENCE(FragmentNumbers)
 BUFFER_REFERENCE(PixelEnds)
 BUFFER_REFERENCE(FragmentBases)
+BUFFER_REFERENCE(NearestWords)
 
 // Of setup.comp and clip.comp.
 struct SetupPush {
@@ -121,6 +124,20 @@ struct ListSmallPush {
 
 struct VisibilitySmallPush {
   uint count;  // small triangles
+  uint width;
+  uint height;
+};
+
+// Of visibility_unordered.frag: bits of the nearest depth, the first submitted triangle and record that have it.
+struct NearestAddresses {
+  ADDRESS(NearestWords) depths;
+  ADDRESS(NearestWords) slots;
+  ADDRESS(NearestWords) records;
+};
+
+// Of gather_visibility.frag.
+struct NearestPush {
+  NearestAddresses nearest;
   uint width;
   uint height;
 };

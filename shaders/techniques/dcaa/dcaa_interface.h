@@ -44,7 +44,7 @@ namespace subpixel::gpu_types {
 #define DCAA_SLOT_VIEW 2
 // Sampled.
 #define DCAA_SLOT_BOUND 0  // of the pass that merges, whose state is not sampled
-#define DCAA_SLOT_FOUND 1
+#define DCAA_SLOT_FOUND 4  // storage: where it is
 
 // The count word: surfaces stored, then what happened to the pixel. Counts stop at their largest value. The paper needs
 // no such word, since a stored surface always covers something; ours feeds the maps.

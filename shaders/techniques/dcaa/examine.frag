@@ -4,12 +4,10 @@
 #extension GL_EXT_scalar_block_layout : require
 // variants: OPAQUE= ALPHA=-DWITH_UV
 // For the maps: what covers a pixel at all, and what the table decides otherwise than exact edges do.
-// Reads and writes: the attachment, in primitive order. xy: samples that some fragment covers; z: sample decisions of the
-// pixel's fragments; w: those that the table gets wrong.
+// Writes: by atomic operations, which know no order. Of each pixel, xy: samples that some fragment covers; z: sample decisions of
+// its fragments; w: those that the table gets wrong.
 #include "techniques/dcaa/fragment_mask.glsl"
-
-layout(input_attachment_index = 0, set = 0, binding = INPUT_ATTACHMENT(0)) uniform usubpassInput in_found;
-layout(location = 0) out uvec4 out_found;
+#include "techniques/dcaa/found.glsl"
 
 void main() {
   ivec2 pixel = pixel_of(gl_FragCoord.xy);
@@ -19,10 +17,13 @@ void main() {
 #ifdef WITH_UV
   for (bool go = mask != uvec2(0u); go; go = false) mask = alpha_coverage(mask, pixel, mask_shading_offset(edges, mask));
 #endif
-  bool counts = (exact | table) != uvec2(0u);
-  for (bool go = counts; go; go = false) {
-    uvec4 found = subpassLoad(in_found);
-    out_found = uvec4(found.xy | mask, found.z + SAMPLES, found.w + dcaa_count(exact ^ table));
+  // Devices shade whole blocks: pixels beyond the border have no words.
+  bool counts = (exact | table) != uvec2(0u) && all(lessThan(pixel, ivec2(frame.viewport.xy)));
+  if (counts) {
+    uint at = found_word(pixel);
+    atomicOr(found.words.word[at], mask.x);
+    atomicOr(found.words.word[at + 1u], mask.y);
+    atomicAdd(found.words.word[at + 2u], SAMPLES);
+    atomicAdd(found.words.word[at + 3u], dcaa_count(exact ^ table));
   }
-  if (!counts) discard;
 }

@@ -11,8 +11,8 @@ layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "techniques/dcaa/surface.glsl"
 #include "techniques/dcaa/state.glsl"
 #include "techniques/dcaa/state_read.glsl"
+#include "techniques/dcaa/found.glsl"
 
-layout(set = 0, binding = SAMPLED(DCAA_SLOT_FOUND)) uniform usampler2D found_image;
 layout(location = 0) out uint out_surfaces;
 layout(location = 1) out uint out_first_merges;
 layout(location = 2) out uint out_second_merges;
@@ -28,11 +28,12 @@ void main() {
   read_surfaces(pixel, surface);
   uvec2 covered = uvec2(0u);
   for (uint i = 0u; i < SURFACES; ++i) covered |= i < count ? surface[i].coverage : uvec2(0u);
-  uvec4 found = texelFetch(found_image, pixel, 0);
+  uint at = found_word(pixel);
+  uvec2 anywhere = uvec2(found.words.word[at], found.words.word[at + 1u]);
   out_surfaces = count;
   out_first_merges = field_of(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS);
   out_second_merges = field_of(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS);
   out_discards = field_of(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS);
-  out_leaks = dcaa_count(found.xy & ~covered);
-  out_wrong = found.w;
+  out_leaks = dcaa_count(anywhere & ~covered);
+  out_wrong = found.words.word[at + 3u];
 }
