@@ -64,6 +64,9 @@ void DrawEncoder::viewport(float x, float y, float width, float height) {
 }
 
 PassRecorder::PassRecorder(Device& device) : device_(device), nearest_(device, kNearestClamped) {}
+PassRecorder::~PassRecorder() {
+  for (const Pipeline* pipeline : pipelines_) pipeline->wait();
+}
 
 Buffer& PassRecorder::buffer(std::string name, VkDeviceSize bytes) {
   return buffers_.emplace_back(device_, std::move(name), bytes);
@@ -290,6 +293,7 @@ void PassRecorder::compute(ComputePass pass) {
          {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED}});
   require_interface(pass.name, {pass.shader}, std::move(supplied), pass.constants, pass.bindings, pass.push, step.uses);
   const Pipeline& pipeline = device_.pipelines().compute(pass.shader, pass.constants);
+  pipelines_.push_back(&pipeline);
   step.record = [this, &pipeline, pass = std::move(pass)](VkCommandBuffer commands) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
     bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.bindings, {});
@@ -391,6 +395,7 @@ void PassRecorder::raster(RasterPass pass) {
     require(alternative);
   }
   const Pipeline& pipeline = device_.pipelines().raster(pass.pipeline);
+  pipelines_.push_back(&pipeline);
   const VkRenderPass render_pass = device_.pipelines().render_pass(pass.pipeline.targets);
   const VkFramebuffer target = framebuffer(pass, render_pass);
   const VkExtent2D extent = extent_of(pass);

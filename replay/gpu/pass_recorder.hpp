@@ -165,6 +165,9 @@ struct PassTiming {
 class PassRecorder {
  public:
   explicit PassRecorder(Device& device);
+  ~PassRecorder();  // waits for pipelines that are being made for it: nothing goes on beside what comes next
+  PassRecorder(const PassRecorder&) = delete;
+  PassRecorder& operator=(const PassRecorder&) = delete;
 
   // Resources the technique owns; counted in allocated_bytes. References stay valid for the recorder's life.
   Buffer& buffer(std::string name, VkDeviceSize bytes);
@@ -219,6 +222,7 @@ class PassRecorder {
   std::vector<PassTiming> timings_;
   Sampler nearest_;
   std::vector<UniqueFramebuffer> framebuffers_;
+  std::vector<const Pipeline*> pipelines_;
 };
 
 }  // namespace subpixel::gpu

@@ -118,10 +118,10 @@ void PipelineCache::begin(Pipeline& pipeline, const std::string& name, std::func
 }
 
 const Pipeline& PipelineCache::compute(const std::string& shader, const Constants& constants) {
-  auto [found, is_new] = compute_.try_emplace({shader, constants});
-  if (!is_new) return found->second;
+  Pipeline& found = compute_[{shader, constants}];
+  if (found.made_.valid()) return found;
   const VkShaderModule code = module(shader);
-  begin(found->second, shader, [this, shader, constants, code](VkPipeline* pipeline) {
+  begin(found, shader, [this, shader, constants, code](VkPipeline* pipeline) {
     const Specialization specialization(constants);
     VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
@@ -133,7 +133,7 @@ const Pipeline& PipelineCache::compute(const std::string& shader, const Constant
     check(vkCreateComputePipelines(device_.handle(), VK_NULL_HANDLE, 1, &create, nullptr, pipeline),
           "pipeline " + shader);
   });
-  return found->second;
+  return found;
 }
 
 VkRenderPass PipelineCache::render_pass(const RenderPassDescription& description) {
@@ -261,18 +261,18 @@ void make_raster(VkDevice device, VkPipelineLayout layout, VkRenderPass render_p
 }  // namespace
 
 const Pipeline& PipelineCache::raster(const RasterDescription& description) {
-  auto [found, is_new] = raster_.try_emplace(description);
-  if (!is_new) return found->second;
+  Pipeline& found = raster_[description];
+  if (found.made_.valid()) return found;
   const auto code = [&](const std::string& shader) {
     return shader.empty() ? VkShaderModule{VK_NULL_HANDLE} : module(shader);
   };
   const RasterModules modules{code(description.vertex), code(description.fragment)};
   const VkRenderPass pass = render_pass(description.targets);
-  begin(found->second, description.vertex + " + " + description.fragment,
+  begin(found, description.vertex + " + " + description.fragment,
         [this, description, modules, pass](VkPipeline* pipeline) {
           make_raster(device_.handle(), layout_.get(), pass, modules, description, pipeline);
         });
-  return found->second;
+  return found;
 }
 
 }  // namespace subpixel::gpu

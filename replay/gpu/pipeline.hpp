@@ -69,6 +69,7 @@ class Pipeline {
     made_.get();
     return handle_.get();
   }
+  void wait() const { made_.wait(); }
 
  private:
   friend class PipelineCache;

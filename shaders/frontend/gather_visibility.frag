@@ -6,7 +6,6 @@
 // The words that visibility_unordered.frag found, as visibility.frag leaves them.
 // Reads: depths and records. Writes: the attachments.
 #include "frontend/nearest_words.glsl"
-#include "include/frame.glsl"
 #include "include/coverage.glsl"
 
 layout(push_constant, scalar) uniform Push { NearestPush push; };
