@@ -22,6 +22,7 @@
 #include "capture_format/writer.hpp"
 #include "cli/option_values.hpp"
 #include "cli/written_summary.hpp"
+#include "process/confinement.hpp"
 #include "scenes/generate/generate.hpp"
 
 namespace subpixel::cli {
@@ -117,6 +118,7 @@ void print_draws(const nlohmann::json& table) {
 
 int info(const InfoArguments& options) {
   const FileArguments& arguments = options.file;
+  forbid_programs();
   if (options.frame && !options.draws) throw UsageError("frames", "--frame is of --draws", "--frame");
   const std::filesystem::path path = arguments.file;
   const capture::CaptureFile::Outline outline = capture::CaptureFile(path).outline();

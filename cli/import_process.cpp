@@ -22,6 +22,7 @@
 #include "capture_format/writer.hpp"
 #include "cli/written_summary.hpp"
 #include "process/child_process.hpp"
+#include "process/confinement.hpp"
 
 namespace subpixel::cli {
 namespace {
@@ -175,6 +176,11 @@ void say(const json& message) {
   std::fflush(stdout);
 }
 
+capture::Capture import_model(const std::string& in, const capture::ImportOptions& options) {
+  forbid_programs();
+  return capture::import_file(in, options);
+}
+
 }  // namespace
 
 std::uint64_t default_import_address_space() {
@@ -208,6 +214,11 @@ void import_in_child(const std::string& in, const std::filesystem::path& out, co
     child_limits.duration = limits.duration.count() > 0 ? limits.duration : std::chrono::hours(24 * 365);
     child_limits.silence = child_limits.duration;
     child_limits.address_space_bytes = limits.address_space_bytes;
+    // Who imports on the command line may read what they may; the reader of someone else's file writes nothing but the
+    // capture, opens no connection and starts nothing.
+    child_limits.confinement = Confinement{{"/"}, {in_place ? file : folder->file().parent_path().string()}};
+    child_limits.confinement->runs_programs = is_renderdoc(in);
+    if (is_renderdoc(in)) child_limits.confinement->writable.push_back("/tmp");  // where X servers have their sockets
     outcome = run_child(arguments, child_limits, signals->stop_token(),
                         [&](std::string_view line) { return conversation.take(line); });
     const bool ended_well = outcome.kind == ChildOutcome::Kind::exited && outcome.code == 0 && conversation.summary();
@@ -235,7 +246,7 @@ int import_worker(const std::string& in, const std::filesystem::path& out, captu
     const std::filesystem::path scratch = std::filesystem::exists(out) ? std::filesystem::temp_directory_path()
                                                                        : std::filesystem::absolute(out).parent_path();
     const capture::Capture made =
-        is_renderdoc(in) ? import_renderdoc(in, renderdoc, scratch) : capture::import_file(in, options);
+        is_renderdoc(in) ? import_renderdoc(in, renderdoc, scratch) : import_model(in, options);
     capture::write_capture(made, out);
     say({{"type", "done"}, {"summary", written_summary(made, out)}});
     return 0;

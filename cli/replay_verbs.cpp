@@ -18,6 +18,7 @@
 #include "base/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/progress_line.hpp"
+#include "process/confinement.hpp"
 #include "replay/gpu/device.hpp"
 #include "replay/replay.hpp"
 #include "replay/results/plots.hpp"
@@ -135,6 +136,7 @@ int worker(const std::string& job_file) {
     }
     const ReplayJob job = replay_job_from_json(json);
     std::filesystem::create_directories(job.out_dir);
+    forbid_programs();
     ReplayEvents events;
     events.progress = [](const std::string& stage, std::uint32_t done, std::uint32_t total, const std::string& detail) {
       print_line({{"type", "progress"}, {"stage", stage}, {"done", done}, {"total", total}, {"detail", detail}});

@@ -18,6 +18,7 @@
 #include "base/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/submission.hpp"
+#include "process/confinement.hpp"
 #include "server/service.hpp"
 
 namespace subpixel::cli {
@@ -27,8 +28,10 @@ struct ServeArguments {
   std::string data, listen = "127.0.0.1:8080", worker;
   std::vector<std::string> host_names;
   std::uint32_t workers = 1;
-  double upload_limit_gb = 4, worker_memory_gb = 0;
-  std::uint32_t silence_s = 600, duration_s = 12 * 3600;
+  double upload_limit_gb = 4, worker_file_gb = 4;
+  std::optional<double> worker_memory_gb;
+  std::uint32_t silence_s = 600, duration_s = 12 * 3600, processor_s = 0;
+  std::vector<std::string> worker_reads;
 };
 
 // Splits "HOST:PORT" or "[V6]:PORT".
@@ -46,6 +49,16 @@ std::pair<std::string, int> parse_address(const std::string& text) {
   return {host, port};
 }
 
+// The machine's, 0 when it is not known or a sanitizer needs more address space than that.
+std::uint64_t memory_bytes() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return 0;
+#else
+  const long pages = ::sysconf(_SC_PHYS_PAGES), page_bytes = ::sysconf(_SC_PAGESIZE);
+  return pages <= 0 || page_bytes <= 0 ? 0 : static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes);
+#endif
+}
+
 server::ServiceOptions service_options(const ServeArguments& arguments) {
   server::ServiceOptions options;
   options.data = arguments.data;
@@ -58,7 +71,11 @@ server::ServiceOptions service_options(const ServeArguments& arguments) {
   options.worker.count = arguments.workers;
   options.worker.limits.silence = std::chrono::seconds(arguments.silence_s);
   options.worker.limits.duration = std::chrono::seconds(arguments.duration_s);
-  options.worker.limits.address_space_bytes = static_cast<std::uint64_t>(arguments.worker_memory_gb * kGigabyte);
+  options.worker.limits.address_space_bytes =
+      arguments.worker_memory_gb ? static_cast<std::uint64_t>(*arguments.worker_memory_gb * kGigabyte) : memory_bytes();
+  options.worker.limits.file_bytes = static_cast<std::uint64_t>(arguments.worker_file_gb * kGigabyte);
+  options.worker.limits.processor_s = arguments.processor_s;
+  options.worker.readable = arguments.worker_reads;
   return options;
 }
 
@@ -86,6 +103,7 @@ int serve(const ServeArguments& arguments) {
   ::sigaddset(&endings, SIGINT);
   ::pthread_sigmask(SIG_BLOCK, &endings, nullptr);
 
+  for (const std::string& gap : confinement_gaps()) spdlog::warn("workers are less confined: {}", gap);
   server::Service service(service_options(arguments));
   const std::string host = arguments.listen.substr(0, arguments.listen.rfind(':'));
   fmt::print("listening on http://{}:{}\n", printable(host), service.port());
@@ -118,9 +136,20 @@ void add_serve(CLI::App& app, std::function<int()>& action) {
   verb->add_option("--upload-limit", arguments->upload_limit_gb, "Largest capture taken, in GiB")
       ->check(CLI::Range(0.0, 1024.0))
       ->capture_default_str();
-  verb->add_option("--worker-memory", arguments->worker_memory_gb, "Address space of a worker, in GiB; 0: no limit")
+  verb->add_option("--worker-memory", arguments->worker_memory_gb,
+                   "Address space of a worker, in GiB; 0: no limit; default: as much as the machine has memory")
+      ->check(CLI::Range(0.0, 65536.0));
+  verb->add_option("--worker-file", arguments->worker_file_gb, "Largest file a worker writes, in GiB; 0: no limit")
       ->check(CLI::Range(0.0, 65536.0))
       ->capture_default_str();
+  verb->add_option("--worker-processor-time", arguments->processor_s,
+                   "Seconds of processor time, of all its threads, after which a worker is ended; 0: no limit")
+      ->check(CLI::Range(0, 1'000'000'000))
+      ->capture_default_str();
+  verb->add_option("--worker-reads", arguments->worker_reads,
+                   "Further file or folder that workers may read: a driver's outside of /usr; may be repeated")
+      ->allow_extra_args(false)
+      ->check(CLI::ExistingPath);
   verb->add_option("--worker-silence", arguments->silence_s, "Seconds without a word after which a worker is ended")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
@@ -149,6 +178,11 @@ void add_submit(CLI::App& app, std::function<int()>& action) {
       ->transform(within(replay::kReferenceSamplesLimit));
   verb->add_option("--lights", submission->point_lights, "Point lights: this many; as recorded when absent")
       ->transform(within(replay::kPointLightsLimit));
+  verb->add_option("--priority", submission->priority, "Of the run, 0 to 9, the highest is next; default: 5")
+      ->transform(within(replay::kPriorityLimit));
+  verb->add_option("--retries", submission->retries,
+                   "How often in a row a run whose worker died is started again without a new result; default: 2")
+      ->transform(within(replay::kRetriesLimit));
   verb->add_flag("--wait", submission->wait, "Wait for the run's end and print its table; exit code 3 when it fails");
   verb->add_flag("--once", submission->once,
                  "Take the run with the same request that is there already, unless it failed");

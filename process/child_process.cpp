@@ -2,13 +2,16 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/close_range.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -24,6 +27,8 @@ using Kind = ChildOutcome::Kind;
 constexpr std::size_t kErrorTailBytes = 4096;
 constexpr int kPollMs = 100;       // how late a stop request or a limit is noticed
 constexpr int kNotExecuted = 127;  // what a shell says when it can't execute a program
+constexpr int kNotConfined = 126;
+constexpr rlim_t kDescriptors = 1024;
 
 class Descriptor {
  public:
@@ -54,16 +59,34 @@ std::optional<Pipe> make_pipe() {
   return Pipe{Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
+// Lowers a limit of this process; 0 leaves it. `more`: of the hard limit.
+void lower_limit(int resource, rlim_t most, rlim_t more = 0) {
+  rlimit limit{};
+  if (most == 0 || ::getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0) return;
+  limit.rlim_max = std::min(limit.rlim_max, most + more);
+  limit.rlim_cur = std::min(limit.rlim_cur, most);
+  ::setrlimit(static_cast<__rlimit_resource>(resource), &limit);
+}
+
+// What the child needs, made before the fork.
+struct Program {
+  char* const* arguments;
+  char* const* environment;
+  int output, errors;
+  pid_t parent;
+  const ChildLimits& limits;
+  const PreparedConfinement* confinement;
+};
+
 // Runs in the child between fork and exec, where only async-signal-safe calls are allowed (POSIX fork).
-[[noreturn]] void become_program(char* const* arguments, int output, int errors, pid_t parent,
-                                 std::uint64_t address_space_bytes) {
+[[noreturn]] void become(const Program& program) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(kNotExecuted);  // the parent died before the line above
-  if (address_space_bytes != 0) {
-    const rlimit limit{address_space_bytes, address_space_bytes};
-    ::setrlimit(RLIMIT_AS, &limit);
-  }
+  if (::getppid() != program.parent) ::_exit(kNotExecuted);  // the parent died before the line above
+  lower_limit(RLIMIT_AS, program.limits.address_space_bytes);
+  lower_limit(RLIMIT_FSIZE, program.limits.file_bytes);
+  lower_limit(RLIMIT_CPU, program.limits.processor_s, 1);  // SIGXCPU says why, SIGKILL a second later does not
+  lower_limit(RLIMIT_NOFILE, kDescriptors);
   // A core file of a crashed replay is gigabytes that nobody asked for.
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
@@ -72,9 +95,36 @@ std::optional<Pipe> make_pipe() {
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   ::signal(SIGPIPE, SIG_DFL);
   const int input = ::open("/dev/null", O_RDONLY);
-  if (input < 0 || ::dup2(input, 0) < 0 || ::dup2(output, 1) < 0 || ::dup2(errors, 2) < 0) ::_exit(kNotExecuted);
-  ::execv(arguments[0], arguments);
+  if (input < 0 || ::dup2(input, 0) < 0 || ::dup2(program.output, 1) < 0 || ::dup2(program.errors, 2) < 0) {
+    ::_exit(kNotExecuted);
+  }
+  // Connections and the store are closed on exec by whoever opened them; one that forgot must not matter.
+  ::syscall(SYS_close_range, 3u, ~0u, CLOSE_RANGE_CLOEXEC);
+  if (program.confinement != nullptr && !program.confinement->enter()) ::_exit(kNotConfined);
+  ::execve(program.arguments[0], program.arguments, program.environment);
   ::_exit(kNotExecuted);
+}
+
+// Pointers to `texts`, and a last null.
+std::vector<char*> pointers(const std::vector<std::string>& texts) {
+  std::vector<char*> list;
+  list.reserve(texts.size() + 1);
+  for (const std::string& text : texts) list.push_back(const_cast<char*>(text.c_str()));
+  list.push_back(nullptr);
+  return list;
+}
+
+// This process's environment with `added`, whose names come first and hold.
+std::vector<std::string> environment_with(const std::vector<std::string>& added) {
+  std::vector<std::string> all = added;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string_view text = *entry;
+    const bool is_replaced = std::any_of(added.begin(), added.end(), [&](const std::string& mine) {
+      return text.substr(0, text.find('=') + 1) == std::string_view(mine).substr(0, mine.find('=') + 1);
+    });
+    if (!is_replaced) all.emplace_back(text);
+  }
+  return all;
 }
 
 // Splits what comes from a pipe into lines of bounded length.
@@ -119,8 +169,13 @@ std::string reason_for(const ChildOutcome& outcome, const ChildLimits& limits) {
     case Kind::exited:
       if (outcome.code == 0) return "";
       if (outcome.code == kNotExecuted) return "the worker program can't be executed";
+      if (outcome.code == kNotConfined) return "the worker process can't be confined, so it was not started";
       return fmt::format("the worker process ended with exit code {}", outcome.code);
     case Kind::signalled:
+      if (outcome.code == SIGXCPU) {
+        return fmt::format("the worker process used more than {} s of processor time and was ended",
+                           limits.processor_s);
+      }
       return fmt::format("the worker process was ended by signal {} ({}){}", outcome.code, ::strsignal(outcome.code),
                          outcome.code == SIGKILL ? ", most likely because memory ran out" : "");
     case Kind::silent:
@@ -224,10 +279,11 @@ class Watch {
 ChildOutcome run_child(const std::vector<std::string>& arguments, const ChildLimits& limits, std::stop_token stop,
                        const LineHandler& on_line) {
   ChildOutcome outcome;
-  std::vector<char*> argv;
-  argv.reserve(arguments.size() + 1);
-  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-  argv.push_back(nullptr);
+  const std::vector<char*> argv = pointers(arguments);
+  const std::vector<std::string> variables = environment_with(limits.environment);
+  const std::vector<char*> environment = pointers(variables);
+  std::optional<PreparedConfinement> confinement;
+  if (limits.confinement) confinement.emplace(*limits.confinement, arguments[0]);
 
   std::optional<Pipe> output = make_pipe(), errors = make_pipe();
   const pid_t parent = ::getpid();
@@ -240,7 +296,8 @@ ChildOutcome run_child(const std::vector<std::string>& arguments, const ChildLim
     return outcome;
   }
   if (child == 0) {
-    become_program(argv.data(), output->write_end.get(), errors->write_end.get(), parent, limits.address_space_bytes);
+    become({argv.data(), environment.data(), output->write_end.get(), errors->write_end.get(), parent, limits,
+            confinement ? &*confinement : nullptr});
   }
   ::setpgid(child, child);  // also done by the child: whichever comes first
   output->write_end.close();

@@ -1,14 +1,18 @@
 // One child process, watched: its standard output line by line, the tail of its standard error, and limits on silence,
-// duration, line length and address space. What it runs may crash, hang or write garbage; the caller gets a reason.
+// duration, line length and what it may take, and where it may go (confinement.hpp). What it runs may crash, hang or
+// write garbage; the caller gets a reason.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "process/confinement.hpp"
 
 namespace subpixel {
 
@@ -16,7 +20,12 @@ struct ChildLimits {
   std::chrono::milliseconds silence{std::chrono::minutes(10)};  // longest wait for the next line of standard output
   std::chrono::milliseconds duration{std::chrono::hours(12)};
   std::size_t line_bytes = std::size_t{8} << 20;
-  std::uint64_t address_space_bytes = 0;  // RLIMIT_AS; 0: none
+  // 0: none, and never more than this process has itself.
+  std::uint64_t address_space_bytes = 0;
+  std::uint64_t file_bytes = 0;   // of each file it writes
+  std::uint64_t processor_s = 0;  // of all its threads together
+  std::optional<Confinement> confinement;
+  std::vector<std::string> environment;  // NAME=VALUE, added to this process's
 };
 
 struct ChildOutcome {

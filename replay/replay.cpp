@@ -99,6 +99,8 @@ class Replay {
   // The current frame's reference for a technique's shading model and resolve; null without references.
   std::shared_ptr<const Reference> reference_for(std::uint32_t frame, const TechniqueSetting& planned);
   void run_technique(std::uint32_t frame, std::size_t which);
+  // Draws a result that is there already once more, for the next frame's flicker is told from its image.
+  void draw_again(std::uint32_t frame, std::size_t which);
   // `stem` is what the names of the result's files begin with.
   void inspect(RecordedFrame& recorded, const FrameResult& result, const std::string& stem);
   // Errors, maps and files of a result, which lack nothing of the device: on another thread, while this one prepares
@@ -198,13 +200,19 @@ Results Replay::run() {
   before_.resize(planned_.size());
 
   for (std::uint32_t frame = first; frame <= last; ++frame) {
-    std::vector<std::size_t> wanted;
-    for (std::size_t which = 0; which < planned_.size(); ++which)
-      if (!skipped(frame, which)) wanted.push_back(which);
-    if (wanted.empty()) continue;
+    std::vector<std::size_t> wanted, again;
+    for (std::size_t which = 0; which < planned_.size(); ++which) {
+      if (!skipped(frame, which)) {
+        wanted.push_back(which);
+      } else if (options_.reference_samples > 0 && frame < last && !skipped(frame + 1, which)) {
+        again.push_back(which);
+      }
+    }
+    if (wanted.empty() && again.empty()) continue;
     now("scene");
     scene_->set_frame({frame, width_, height_});
     references_.clear();
+    for (const std::size_t which : again) draw_again(frame, which);
     for (const std::size_t which : wanted) {
       const auto total = static_cast<std::uint32_t>((last - first + 1) * planned_.size());
       const auto done = static_cast<std::uint32_t>((frame - first) * planned_.size() + which);
@@ -297,6 +305,22 @@ void Replay::finish_measuring() {
   if (events_.result) events_.result(static_cast<std::uint32_t>(measured.which), result);
   results_.results.push_back(std::move(result));
   now(before);
+}
+
+void Replay::draw_again(std::uint32_t frame, std::size_t which) {
+  finish_measuring();  // which may be of the same technique's last frame
+  now("prepare");
+  FrameImages images;
+  {
+    RecordedFrame recorded(*scene_, planned_[which]);
+    now("submit");
+    recorded.run();
+    now("measure");
+    images = recorded.images();
+  }
+  mark_not_finite(images.radiance, images.display);
+  reference_for(frame, planned_[which]);
+  before_[which] = std::move(images.display);
 }
 
 void Replay::inspect(RecordedFrame& recorded, const FrameResult& result, const std::string& stem) {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
 
+#include "server/capture_import.hpp"
 #include "server/http_server.hpp"
 #include "server/job_queue.hpp"
 #include "server/nightly/night_store.hpp"
@@ -42,6 +44,8 @@ class Api {
   // api_captures.cpp
   void route_captures(HttpServer& http);
   void post_capture(const Request& request, Response& response);
+  // The capture made of an upload that is a model or a frame.
+  std::unique_ptr<CaptureImport> import_upload(const Upload& upload, const std::string& kind, const std::string& name);
   void delete_capture(const std::string& hash, Response& response);
   void send_capture_file(const Request& request, const std::string& hash, Response& response) const;
   void send_blob(const Request& request, const std::string& hash, Response& response) const;
@@ -77,6 +81,8 @@ class Api {
   std::stop_source stop_;
   std::atomic<std::size_t> followers_{0};  // clients that follow a run
   std::mutex captures_mutex_;              // a capture's file and its record come and go together
+  std::mutex imports_mutex_;               // one at a time: each may take gigabytes
+  std::atomic<std::size_t> imports_{0};    // and those that wait
 };
 
 // A whole number from the query, `absent` without it. Throws HttpError 400 outside of [minimum, maximum].

@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "base/hash.hpp"
 #include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "server/api.hpp"
@@ -20,6 +21,7 @@ namespace {
 
 constexpr std::size_t kMaxNameBytes = 120;
 constexpr std::int64_t kMaxListedCaptures = 500;
+constexpr std::size_t kMaxImports = 6;  // uploads have 16 threads: those that are captures must get through
 constexpr std::size_t kMaxTags = 20, kMaxTagBytes = 40;
 
 nlohmann::json capture_json(const CaptureRecord& capture) {
@@ -82,26 +84,47 @@ void Api::route_captures(HttpServer& http) {
            [this](const Request& request, Response& response) { send_blob(request, request.matches[1], response); });
 }
 
+std::unique_ptr<CaptureImport> Api::import_upload(const Upload& upload, const std::string& kind,
+                                                  const std::string& name) {
+  const std::size_t others = imports_.fetch_add(1);
+  const std::shared_ptr<const void> place(nullptr, [this](const void*) { --imports_; });
+  if (others >= kMaxImports) {
+    throw HttpError(503, "the file is not imported", fmt::format("{} others are being imported; try again", others),
+                    "");
+  }
+  const std::lock_guard lock(imports_mutex_);
+  return std::make_unique<CaptureImport>(folder_, upload.path(), kind, name, options_.worker,
+                                         options_.upload_limit_bytes, stop_.get_token());
+}
+
 void Api::post_capture(const Request& request, Response& response) {
   if (request.is_multipart_form_data()) {
     throw HttpError(415, "the upload is refused", "the body must be the capture's bytes, not a form",
                     "header Content-Type");
   }
   Upload& upload = Exchange::current().body();
-  const std::string hash = upload.finish();
+  std::string hash = upload.finish();
+  std::filesystem::path file = upload.path();
+  const std::string name = display_name(request.get_param_value("name"));
+  std::unique_ptr<CaptureImport> imported;
+  if (const std::optional<std::string> kind = imported_kind(file)) {
+    imported = import_upload(upload, *kind, name);
+    file = imported->file();
+    hash = content_hash_hex(file);
+  }
   std::optional<CaptureRecord> capture = store_.capture(hash);
   CaptureRecord inspected;
-  if (!capture) inspected = inspect_capture(upload.path(), options_.worker, stop_.get_token());
+  if (!capture) inspected = inspect_capture(file, options_.worker, stop_.get_token());
 
   const std::lock_guard lock(captures_mutex_);
-  if (upload.keep(hash) == Upload::Kept::collision) {
+  if (keep_capture(folder_, file, hash) == Kept::collision) {
     throw HttpError(409, "the capture can't be stored", "another one has its content hash", hash);
   }
   bool added = false;
   if (!capture) {
     inspected.hash = hash;
-    inspected.name = display_name(request.get_param_value("name"));
-    inspected.size_bytes = upload.size_bytes();
+    inspected.name = name;
+    inspected.size_bytes = std::filesystem::file_size(file);
     inspected.uploaded_utc = utc_now();
     added = store_.add_capture(inspected);
     if (added && inspected.frame_count > 0 && store_.add_run(RunKind::thumbnail, hash, thumbnail_options(), 1)) {
@@ -111,7 +134,9 @@ void Api::post_capture(const Request& request, Response& response) {
   capture = store_.capture(hash);
   if (!capture) throw HttpError(409, "the capture is not stored", "it was deleted meanwhile; send it again", hash);
   response.set_header("Location", "/api/captures/" + hash);
-  write_json(response, added ? 201 : 200, capture_json(*capture));
+  nlohmann::json document = capture_json(*capture);
+  document["notices"] = capture->summary.value("notices", nlohmann::json::array());
+  write_json(response, added ? 201 : 200, document);
 }
 
 void Api::post_tags(const std::string& hash, const Request& request, Response& response) {

@@ -156,6 +156,9 @@ json Api::run_json(const RunRecord& run) const {
   document["started_utc"] = text_or_null(run.started_utc);
   document["finished_utc"] = text_or_null(run.finished_utc);
   document["request"] = request;
+  document["priority"] = run.place.priority;
+  document["retries"] = run.place.retries;
+  document["submitter"] = run.place.submitter;
   document["head"] = run.head ? *run.head : json(nullptr);
   return document;
 }
@@ -191,7 +194,9 @@ void Api::post_run(const Request& request, Response& response) {
       return write_json(response, 200, run_json(*equal));
     }
   }
-  const std::optional<std::int64_t> id = store_.add_run(RunKind::run, capture->hash, wanted.options, expected);
+  wanted.place.submitter = request.remote_addr;
+  const std::optional<std::int64_t> id =
+      store_.add_run(RunKind::run, capture->hash, wanted.options, expected, wanted.place);
   if (!id) throw HttpError(404, "there is no such capture", "it was deleted meanwhile", "capture");
   queue_.notify();
   response.set_header("Location", fmt::format("/api/runs/{}", *id));

@@ -46,6 +46,8 @@ CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOpt
   std::string output;
   ChildLimits limits = worker.limits;
   limits.silence = limits.duration = std::min<std::chrono::milliseconds>(limits.silence, std::chrono::minutes(5));
+  limits.processor_s = static_cast<std::uint64_t>(limits.duration / std::chrono::seconds(1)) + 1;
+  limits.confinement = confined(worker, {file}, {});
   const ChildOutcome outcome = run_child({worker.program.string(), "info", file.string(), "--json"}, limits,
                                          std::move(stop), [&](std::string_view line) {
                                            output.append(line) += '\n';

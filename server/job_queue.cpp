@@ -1,6 +1,7 @@
 #include "server/job_queue.hpp"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <spdlog/spdlog.h>
 
 #include "base/atomic_file.hpp"
@@ -10,9 +11,6 @@
 
 namespace subpixel::server {
 namespace {
-
-// A run is given up when this many workers in a row ended with the whole service before they had a result.
-constexpr std::uint32_t kMaxStartsWithoutResult = 3;
 
 // The last line a dying process wrote says more than its exit code.
 std::string with_error_tail(std::string reason, const std::string& tail) {
@@ -39,7 +37,21 @@ Verdict judge(const ChildOutcome& outcome, const WorkerSession& session) {
   return {RunStatus::done, ""};
 }
 
+// Whether it can have been the machine's fault: memory ran out, someone killed it, a driver crashed once.
+bool died(const ChildOutcome& outcome) {
+  return outcome.kind == ChildOutcome::Kind::signalled && outcome.code != SIGXCPU;
+}
+
 }  // namespace
+
+Confinement confined(const WorkerOptions& worker, const std::vector<std::filesystem::path>& readable,
+                     const std::vector<std::filesystem::path>& writable) {
+  Confinement confinement;
+  confinement.readable = worker.readable;
+  for (const std::filesystem::path& path : readable) confinement.readable.push_back(path.string());
+  for (const std::filesystem::path& path : writable) confinement.writable.push_back(path.string());
+  return confinement;
+}
 
 JobQueue::JobQueue(Store& store, const DataFolder& folder, RunEvents& events, WorkerOptions options)
     : store_(store), folder_(folder), events_(events), options_(std::move(options)) {}
@@ -62,11 +74,11 @@ void JobQueue::notify() {
 }
 
 bool JobQueue::cancel(std::int64_t run) {
+  const std::lock_guard lock(mutex_);  // a run that is started again is queued and active for a moment
   if (store_.cancel_queued(run)) {
     events_.changed(run);
     return true;
   }
-  const std::lock_guard lock(mutex_);
   const auto found = active_.find(run);
   return found != active_.end() && (found->second.request_stop() || found->second.stop_requested());
 }
@@ -114,16 +126,16 @@ void JobQueue::execute(const RunRecord& run, const std::stop_token& stop) {
     const std::lock_guard lock(mutex_);
     cancelled = active_.at(run.id).get_token();
   }
-  if (run.starts_without_result > kMaxStartsWithoutResult) {
-    finish(
-        run.id, RunStatus::failed,
-        fmt::format("given up: the service ended {} times while it ran, without a new result", kMaxStartsWithoutResult),
-        stop);
+  if (run.starts_without_result > run.place.retries + 1) {
+    finish(run.id, RunStatus::failed,
+           fmt::format("{}; given up after {} starts without a new result",
+                       run.reason.empty() ? "the service ended while it ran" : run.reason, run.place.retries + 1),
+           stop);
     return;
   }
   const std::filesystem::path job_folder = folder_.job(run.id);
   Verdict verdict{RunStatus::failed, ""};
-  bool interrupted = false;
+  bool interrupted = false, can_go_on = false;
   try {
     std::filesystem::remove_all(job_folder);
     std::filesystem::create_directories(job_folder / "out");
@@ -136,11 +148,15 @@ void JobQueue::execute(const RunRecord& run, const std::stop_token& stop) {
     std::stop_source either;
     const std::stop_callback on_shutdown(stop, [&] { either.request_stop(); });
     const std::stop_callback on_cancel(cancelled, [&] { either.request_stop(); });
+    ChildLimits limits = options_.limits;
+    limits.confinement = confined(options_, {job.capture}, {job_folder, folder_.cache()});
+    limits.environment.push_back("MESA_SHADER_CACHE_DIR=" + (folder_.cache() / "mesa").string());
     const ChildOutcome outcome =
-        run_child({options_.program.string(), "worker", "--job", job_file.string()}, options_.limits,
-                  either.get_token(), [&](std::string_view line) { return session.take_line(line); });
+        run_child({options_.program.string(), "worker", "--job", job_file.string()}, limits, either.get_token(),
+                  [&](std::string_view line) { return session.take_line(line); });
     interrupted = outcome.kind == ChildOutcome::Kind::stopped && !cancelled.stop_requested();
     verdict = outcome.kind == ChildOutcome::Kind::stopped ? Verdict{RunStatus::cancelled, ""} : judge(outcome, session);
+    can_go_on = died(outcome) && session.worker_error().empty() && !session.done();
   } catch (const SqliteError& error) {
     verdict.reason = error.disk_full() ? "the disk is full: results can't be stored"
                                        : fmt::format("results can't be stored: {}", error.what());
@@ -150,8 +166,25 @@ void JobQueue::execute(const RunRecord& run, const std::stop_token& stop) {
   std::error_code ignored;  // what stays is removed at the next start
   std::filesystem::remove_all(job_folder, ignored);
   if (interrupted) return;  // stays `running` in the store, from where stop() puts it back
+  if (can_go_on) {
+    spdlog::warn("run {}: {}", run.id, verdict.reason);
+    if (start_again(run, verdict.reason)) return;
+    verdict = {RunStatus::cancelled, ""};
+  }
   if (verdict.status == RunStatus::failed) spdlog::warn("run {} failed: {}", run.id, verdict.reason);
   finish(run.id, verdict.status, verdict.reason, stop);
+}
+
+bool JobQueue::start_again(const RunRecord& run, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  if (active_.at(run.id).stop_requested()) return false;
+  try {
+    store_.requeue(run.id, reason);
+  } catch (const std::exception& error) {
+    // It stays `running`, and is taken up by the service's next start.
+    spdlog::error("putting run {} back in the queue: {}", run.id, error.what());
+  }
+  return true;
 }
 
 void JobQueue::finish(std::int64_t run, RunStatus status, const std::string& reason, const std::stop_token& stop) {

@@ -1,6 +1,7 @@
-// Takes queued runs from the store and has each replayed by a worker process. A worker that crashes, hangs, runs out of
-// memory or writes garbage ends its run with a reason. Runs that this process leaves unfinished, however it ends, are
-// taken up by the next one, which tells the worker to skip what is stored.
+// Takes queued runs from the store and has each replayed by a worker process, confined to the run's capture, a folder
+// of its own and the cache. A worker that hangs, reports an error or writes garbage ends its run with a reason; one
+// that dies by a signal is started again as often as the run allows. Runs that this process leaves unfinished, however
+// it ends, are taken up by the next one. Whoever goes on with a run is told to skip what is stored.
 #pragma once
 
 #include <condition_variable>
@@ -23,7 +24,12 @@ struct WorkerOptions {
   std::filesystem::path program;  // run as `program worker --job FILE` and `program info FILE --json`
   std::uint32_t count = 1;        // runs at a time
   ChildLimits limits;
+  std::vector<std::string> readable;  // files and folders that every worker may read, drivers outside of /usr
 };
+
+// What a process that is to read and write these may do besides.
+Confinement confined(const WorkerOptions& worker, const std::vector<std::filesystem::path>& readable,
+                     const std::vector<std::filesystem::path>& writable);
 
 class JobQueue {
  public:
@@ -43,6 +49,8 @@ class JobQueue {
  private:
   void work(const std::stop_token& stop);
   void execute(const RunRecord& run, const std::stop_token& stop);
+  // Puts a run whose worker died back in the queue; false when it was cancelled meanwhile.
+  bool start_again(const RunRecord& run, const std::string& reason);
   void finish(std::int64_t run, RunStatus status, const std::string& reason, const std::stop_token& stop);
 
   Store& store_;

@@ -63,10 +63,10 @@ std::vector<replay::TechniqueRequest> parse_techniques(const JsonField& list, st
 RunRequest parse_run_request(std::string_view body) {
   const json document = parse_json_document(body, std::string(kWhat), "the body");
   const JsonField top(document, std::string(kWhat));
-  check_names(
-      top,
-      {"capture", "techniques", "samples", "frames", "width", "height", "repeat", "reference_samples", "point_lights"},
-      std::string(kWhat), "top level");
+  check_names(top,
+              {"capture", "techniques", "samples", "frames", "width", "height", "repeat", "reference_samples",
+               "point_lights", "priority", "retries"},
+              std::string(kWhat), "top level");
   RunRequest request;
   request.capture = top.member("capture").text();
   replay::ReplayOptions& options = request.options;
@@ -87,6 +87,8 @@ RunRequest parse_run_request(std::string_view body) {
     if (frames.array_size() != 2) frames.fail("expected [first, last]");
     options.frames = {frames.element(0).u32(), frames.element(1).u32()};
   }
+  request.place.priority = limited(top, replay::kPriorityLimit, request.place.priority);
+  request.place.retries = limited(top, replay::kRetriesLimit, request.place.retries);
   return request;
 }
 

@@ -6,12 +6,14 @@
 #include <string_view>
 
 #include "replay/results/worker_protocol.hpp"
+#include "server/store/store.hpp"
 
 namespace subpixel::server {
 
 struct RunRequest {
   std::string capture;            // content hash
   replay::ReplayOptions options;  // every parameter filled in; `frames` as given
+  QueuePlace place;               // its submitter is not in the body
 };
 
 // Throws InputError (with line and column for broken JSON, with the field's path otherwise) or UsageError, which names

@@ -36,7 +36,7 @@ bool same_bytes(const std::filesystem::path& a, const std::filesystem::path& b) 
 
 }  // namespace
 
-Upload::Upload(const DataFolder& folder) : folder_(folder) {
+Upload::Upload(const DataFolder& folder) {
   std::string name = (folder.uploads() / "upload-XXXXXX").string();
   file_ = ::mkostemp(name.data(), O_CLOEXEC);
   if (file_ < 0) fail(errno);
@@ -76,15 +76,15 @@ std::string Upload::finish() {
   return hasher_.hash().hex();
 }
 
-Upload::Kept Upload::keep(const std::string& hash) {
-  const std::filesystem::path target = folder_.capture(hash);
+Kept keep_capture(const DataFolder& folder, const std::filesystem::path& file, const std::string& hash) {
+  const std::filesystem::path target = folder.capture(hash);
   // link, not rename: it fails when the name exists, so of two equal uploads at the same time one stores the file.
-  if (::link(path_.c_str(), target.c_str()) == 0) {
-    if (const int error = sync_folder(folder_.captures()); error != 0) fail(error);
+  if (::link(file.c_str(), target.c_str()) == 0) {
+    if (const int error = sync_folder(folder.captures()); error != 0) fail(error);
     return Kept::stored;
   }
   if (errno != EEXIST) fail(errno);
-  return same_bytes(path_, target) ? Kept::same_already : Kept::collision;
+  return same_bytes(file, target) ? Kept::same_already : Kept::collision;
 }
 
 }  // namespace subpixel::server

@@ -1,5 +1,5 @@
 // A request's body on its way in, a capture or not: bytes go to a file of their own and through the hash as they come,
-// so memory use does not depend on their number, and nothing is left behind unless keep() succeeds.
+// so memory use does not depend on their number, and nothing is left behind unless keep_capture() succeeds.
 #pragma once
 
 #include <cstdint>
@@ -29,17 +29,16 @@ class Upload {
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t size_bytes() const { return size_bytes_; }
 
-  enum class Kept { stored, same_already, collision };
-  // Moves the file to its place by hash. A file that is there already is compared byte by byte: XXH3 is no
-  // cryptographic hash, and a made-up collision must not pass for another capture.
-  Kept keep(const std::string& hash);
-
  private:
-  const DataFolder& folder_;
   std::filesystem::path path_;
   int file_ = -1;
   std::uint64_t size_bytes_ = 0;
   ContentHasher hasher_;
 };
+
+enum class Kept { stored, same_already, collision };
+// Gives a file, whose hash that is, its place among the captures. One that is there already is compared byte by byte:
+// XXH3 is no cryptographic hash, and a made-up collision must not pass for another capture. Throws as Upload does.
+Kept keep_capture(const DataFolder& folder, const std::filesystem::path& file, const std::string& hash);
 
 }  // namespace subpixel::server

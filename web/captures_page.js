@@ -41,7 +41,8 @@ function uploadLine(file, onStored) {
   });
   upload.promise.then(({capture, added}) => {
     replace(line, h('span.ellipsis', {}, file.name),
-      h('a', {href: `#/captures/${capture.hash}`}, added ? 'stored' : 'was here already'));
+      h('a', {href: `#/captures/${capture.hash}`}, added ? 'stored' : 'was here already'),
+      capture.notices.length > 0 && h('ul.notices', {'aria-label': `Notices of ${file.name}`}, capture.notices.map((notice) => h('li', {}, notice))));
     announce(`${file.name} ${added ? 'is stored' : 'was here already'}`);
     onStored();
   }, (error) => {
@@ -87,7 +88,8 @@ export async function capturesPage() {
       take(event.dataTransfer.files);
     },
   }, input, h('label', {for: 'file'}, h('strong', {}, 'Drop captures here'), ' or ', h('span.link', {}, 'choose files')),
-  h('small', {}, '.spcap, as `subpixel import` and `subpixel generate` write them'));
+  h('small', {}, '.spcap, as `subpixel import` and `subpixel generate` write them; imported here: .glb, .zip of a glTF or OBJ ' +
+    'with its textures, .rdc of RenderDoc'));
 
   const heading = h('h1', {}, 'Captures');
   await refresh();

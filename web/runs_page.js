@@ -27,7 +27,7 @@ export function runsTable(runs, registry) {
     h('td', {}, frameRange(run.request.frames)),
     h('td', {}, runSize(run.request, run.head?.width, run.head?.height)),
     h('td.number', {}, `${run.stored_results}/${run.expected_results}`),
-    h('td', {}, statusPill(run.status), run.reason && h('div.quiet.clamp', {title: run.reason}, run.reason)),
+    h('td', {}, statusPill(run.status), run.status === 'queued' && h('div.quiet', {}, `priority ${run.priority}`), run.reason && h('div.quiet.clamp', {title: run.reason}, run.reason)),
     h('td', {}, when(run.started_utc ?? run.created_utc)))))));
 }
 

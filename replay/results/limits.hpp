@@ -97,6 +97,21 @@ inline constexpr Limit kResultsLimit{
     .meaning = "of one run: frames times techniques",
 };
 
+inline constexpr Limit kPriorityLimit{
+    .name = "priority",
+    .low = 0,
+    .high = 9,
+    .unit = "",
+    .meaning = "of a run of the service; the highest is next",
+};
+inline constexpr Limit kRetriesLimit{
+    .name = "retries",
+    .low = 0,
+    .high = 1000,
+    .unit = "starts",
+    .meaning = "of a run whose worker died, in a row without a new result",
+};
+
 // All of the above.
 std::span<const Limit> limits();
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <set>
 #include <system_error>
 
 #include "base/error.hpp"
@@ -143,7 +144,109 @@ class Archive final : public AssetSource {
   std::map<std::string, unz64_file_pos> members_;
 };
 
+constexpr const char* kRefused = "the archive is refused";
+constexpr std::size_t kMaxMembers = 10'000, kMaxNameBytes = 1000;
+constexpr std::uint64_t kMaxArchiveBytes = std::uint64_t{2} << 30;  // of all members, decompressed
+// Deflate makes at most 1032 bytes of one; files that someone made reach a tenth of that, small ones aside.
+constexpr std::uint64_t kMaxInflation = 200, kSmallBytes = std::uint64_t{16} << 20;
+constexpr unsigned kMadeOnUnix = 3, kFileTypeBits = 0170000, kSymbolicLink = 0120000;  // of the zip format's appendix
+
+struct Member {
+  std::string name;
+  unz_file_info64 info{};
+};
+
+std::vector<Member> list_members(const std::filesystem::path& archive) {
+  const std::unique_ptr<void, int (*)(unzFile)> zip(unzOpen64(archive.c_str()), &unzClose);
+  if (!zip) throw InputError(kRefused, "it is no zip archive", archive.string());
+  std::vector<Member> members;
+  int status = unzGoToFirstFile(zip.get());
+  for (; status == UNZ_OK; status = unzGoToNextFile(zip.get())) {
+    if (members.size() == kMaxMembers) {
+      throw InputError(kRefused, "it has more than " + std::to_string(kMaxMembers) + " members", archive.string());
+    }
+    Member member;
+    std::string name(kMaxNameBytes + 1, '\0');
+    if (unzGetCurrentFileInfo64(zip.get(), &member.info, name.data(), static_cast<uLong>(name.size()), nullptr, 0,
+                                nullptr, 0) != UNZ_OK) {
+      throw InputError(kRefused, "it is damaged", archive.string());
+    }
+    name.resize(std::min<std::size_t>(member.info.size_filename, name.size()));
+    member.name = std::move(name);
+    members.push_back(std::move(member));
+  }
+  // An archive without members has no first one.
+  if (status != UNZ_END_OF_LIST_OF_FILE && !members.empty()) {
+    throw InputError(kRefused, "it is damaged", archive.string());
+  }
+  return members;
+}
+
+// Why a member is not taken, empty when it is.
+std::string objection(const Member& member) {
+  if (member.name.size() > kMaxNameBytes) return "its name is too long";
+  if (member.name.find('\0') != std::string::npos) return "its name has a zero byte";
+  const std::string name = normal_name(member.name);
+  if (name.starts_with("/") || (name.size() > 1 && name[1] == ':')) return "its name is absolute";
+  if (name == ".." || name.starts_with("../")) return "its name leads out of the archive";
+  if (member.info.version >> 8 == kMadeOnUnix && ((member.info.external_fa >> 16) & kFileTypeBits) == kSymbolicLink) {
+    return "it is a symbolic link";
+  }
+  if ((member.info.flag & 1) != 0) return "it is encrypted";
+  if (member.info.uncompressed_size > kSmallBytes &&
+      member.info.uncompressed_size / kMaxInflation > member.info.compressed_size) {
+    return "it inflates to more than " + std::to_string(kMaxInflation) + " times its size";
+  }
+  return "";
+}
+
+bool is_model(const std::string& name) {
+  const std::filesystem::path path(name);
+  const std::string extension = lower_case(path.extension().string());
+  // macOS adds files of attributes, "__MACOSX/._chair.obj".
+  const bool is_attribute = path.filename().string().starts_with("._");
+  return !is_attribute && (extension == ".gltf" || extension == ".glb" || extension == ".obj");
+}
+
+std::string choose_model(const std::vector<std::string>& names, const std::filesystem::path& archive) {
+  std::vector<std::string> models;
+  std::ptrdiff_t least = 0;
+  for (const std::string& name : names) {
+    if (!is_model(name)) continue;
+    const std::ptrdiff_t depth = std::count(name.begin(), name.end(), '/');
+    if (models.empty() || depth < least) models.clear();
+    if (models.empty()) least = depth;
+    if (depth == least) models.push_back(name);
+  }
+  if (models.empty()) throw InputError("can't import the archive", "it has no .gltf, .glb or .obj", archive.string());
+  if (models.size() > 1) {
+    throw InputError("can't import the archive",
+                     "it has several models, among them " + in_quotes(models[0]) + " and " + in_quotes(models[1]),
+                     archive.string());
+  }
+  return models[0];
+}
+
 }  // namespace
+
+ModelArchive open_model_archive(const std::filesystem::path& archive) {
+  std::vector<std::string> names;
+  std::set<std::string> known;
+  std::uint64_t bytes = 0;
+  for (const Member& member : list_members(archive)) {
+    const std::string where = archive.string() + ", member " + member.name.substr(0, kMaxNameBytes);
+    std::string reason = objection(member);
+    if (reason.empty() && !known.insert(normal_name(member.name)).second) reason = "it is there twice";
+    if (reason.empty() && member.info.uncompressed_size > kMaxArchiveBytes - bytes) {
+      reason = "with it the members are larger than " + std::to_string(kMaxArchiveBytes) + " bytes";
+    }
+    if (!reason.empty()) throw InputError(kRefused, reason, where);
+    bytes += member.info.uncompressed_size;
+    if (!member.name.ends_with('/')) names.push_back(normal_name(member.name));
+  }
+  std::string model = choose_model(names, archive);
+  return {open_archive(archive), std::move(model)};
+}
 
 std::unique_ptr<AssetSource> open_folder(const std::filesystem::path& folder) {
   return std::make_unique<Folder>(folder);

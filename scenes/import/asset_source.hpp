@@ -39,6 +39,15 @@ std::unique_ptr<AssetSource> open_folder(const std::filesystem::path& folder);
 // Names are those of the archive's members. Throws InputError when it is no zip archive.
 std::unique_ptr<AssetSource> open_archive(const std::filesystem::path& archive);
 
+// An archive that anyone may have made, and its one model: the glTF, GLB or OBJ that is least deep in its folders.
+// Throws InputError naming the member that leads out of the archive, is a link, encrypted, there twice or inflates
+// beyond reason, and for too many members, too many bytes and none or several models.
+struct ModelArchive {
+  std::unique_ptr<AssetSource> source;
+  std::string model;
+};
+ModelArchive open_model_archive(const std::filesystem::path& archive);
+
 // The file that a name inside a model's file means: in the first of `folders` that has it, in any case of its letters;
 // names in Latin-1 as UTF-8, quotes removed; else, as for paths of other people's machines, its last part in one of
 // the folders. Nothing when there is none.

@@ -140,7 +140,12 @@ void light_model(SceneBuilder& scene, const Model& model) {
 }
 
 Capture import_model(const std::filesystem::path& path, const ImportOptions& options) {
-  Model model = load_model(*open_folder(path.parent_path()), path.filename().string());
+  ModelArchive from{nullptr, path.filename().string()};
+  if (lower_extension(path) == ".zip")
+    from = open_model_archive(path);
+  else
+    from.source = open_folder(path.parent_path());
+  Model model = load_model(*from.source, from.model);
   const std::uint32_t width = options.width.value_or(1280);
   const std::uint32_t height = options.height.value_or(720);
   if (model.camera && options.camera.empty() && !may_see(*model.camera, model, static_cast<double>(width) / height)) {

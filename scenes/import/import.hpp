@@ -25,9 +25,9 @@ struct ImportOptions {
   std::function<void(const std::string&)> progress{};  // one line for each model read
 };
 
-// The capture of a model file (glTF, GLB, OBJ, and what else assimp reads) or of a scene description (.json).
-// Throws UsageError for options out of range and for .rdc files, which `subpixel import` has another reader for;
-// InputError naming what is missing, damaged or wrong.
+// The capture of a model file (glTF, GLB, OBJ, and what else assimp reads), of the one glTF or OBJ in a .zip, or of a
+// scene description (.json). Throws UsageError for options out of range and for .rdc files, which `subpixel import` has
+// another reader for; InputError naming what is missing, damaged or wrong.
 Capture import_file(const std::filesystem::path& path, const ImportOptions& options = {});
 
 }  // namespace subpixel::capture

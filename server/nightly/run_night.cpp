@@ -75,8 +75,14 @@ Replayed replay_in_worker(const replay::ReplayJob& job, const std::filesystem::p
     }
     return false;
   };
+  std::filesystem::create_directories(job.out_dir);  // what is not there can't be allowed
+  ChildLimits limits = options.limits;
+  limits.confinement.emplace();
+  limits.confinement->readable = {job.capture.string(), job_file.string()};
+  limits.confinement->writable = {job.out_dir.string(), job.cache_dir.string()};
+  limits.environment.push_back("MESA_SHADER_CACHE_DIR=" + (job.cache_dir / "mesa").string());
   const ChildOutcome outcome =
-      run_child({options.worker.string(), "worker", "--job", job_file.string()}, options.limits, {}, take);
+      run_child({options.worker.string(), "worker", "--job", job_file.string()}, limits, {}, take);
   if (!error.empty()) {
     replayed.problem = error;
   } else if (!outcome.reason.empty()) {

@@ -43,6 +43,13 @@ constexpr bool is_final(RunStatus status) {
   return status != RunStatus::queued && status != RunStatus::running;
 }
 
+// How a run shares the workers with others.
+struct QueuePlace {
+  std::uint32_t priority = 5;  // the highest first
+  std::uint32_t retries = 2;   // starts in a row without a new result, after the first
+  std::string submitter;       // those with runs of the same priority take turns
+};
+
 struct RunRecord {
   std::int64_t id = 0;
   RunKind kind = RunKind::run;
@@ -55,6 +62,7 @@ struct RunRecord {
   std::optional<nlohmann::json> head;
   std::uint64_t expected_results = 0, stored_results = 0;
   std::uint32_t starts_without_result = 0;
+  QueuePlace place;
 };
 
 // A result as it is read back: its event number, the place of its technique in the run's list, and its FrameResult in
@@ -99,13 +107,16 @@ class Store {
 
   // Queues a run and returns its id; nothing when the capture is gone.
   std::optional<std::int64_t> add_run(RunKind kind, std::string_view capture, const replay::ReplayOptions& options,
-                                      std::uint64_t expected_results);
+                                      std::uint64_t expected_results, const QueuePlace& place = {});
   std::optional<RunRecord> run(std::int64_t id) const;
   // Runs of kind `run`, newest first, ids below `before` (0: from the newest), of one capture or of all (empty).
   std::vector<RunRecord> runs(std::uint32_t limit, std::int64_t before, std::string_view capture) const;
 
-  // Takes the next queued run, thumbnails first, and marks it as running.
+  // Takes the next queued run and marks it as running: thumbnails first, then by priority; of those the submitter's
+  // who was served longest ago, of that one's the oldest.
   std::optional<RunRecord> start_next_run();
+  // Puts a running run back; `reason` stays with it until it ends.
+  void requeue(std::int64_t id, std::string_view reason);
   // Puts back what was running when the last process ended. `graceful`: this process is about to end on request, which
   // is not the run's fault, so the count of its starts is forgotten.
   void requeue_running(bool graceful);

@@ -26,7 +26,7 @@ Enum from_text(const std::array<std::string_view, N>& names, std::string_view te
 constexpr std::string_view kRunColumns =
     "SELECT runs.id, kind, capture, captures.name, captures.title, status, reason, created_utc, started_utc, "
     "finished_utc, request, head, expected_results, (SELECT count(*) FROM frame_results WHERE run = runs.id), "
-    "starts_without_result FROM runs JOIN captures ON captures.hash = runs.capture ";
+    "starts_without_result, priority, retries, submitter FROM runs JOIN captures ON captures.hash = runs.capture ";
 
 // The options' JSON form is the worker protocol's, so a run means the same in the store and in a job file.
 std::string options_text(const replay::ReplayOptions& options) {
@@ -53,6 +53,9 @@ RunRecord read_run(Statement& row) {
   run.expected_results = static_cast<std::uint64_t>(row.integer());
   run.stored_results = static_cast<std::uint64_t>(row.integer());
   run.starts_without_result = static_cast<std::uint32_t>(row.integer());
+  run.place.priority = static_cast<std::uint32_t>(row.integer());
+  run.place.retries = static_cast<std::uint32_t>(row.integer());
+  run.place.submitter = row.text();
   return run;
 }
 
@@ -120,18 +123,21 @@ std::string_view to_text(RunStatus status) {
 }
 
 std::optional<std::int64_t> Store::add_run(RunKind kind, std::string_view capture, const replay::ReplayOptions& options,
-                                           std::uint64_t expected_results) {
+                                           std::uint64_t expected_results, const QueuePlace& place) {
   const std::lock_guard lock(write_mutex_);
   Transaction transaction(writer_);
   const std::string created = utc_now();
   const std::string request = options_text(options);
   Statement insert(writer_,
-                   "INSERT INTO runs (kind, capture, status, created_utc, request, expected_results) "
-                   "SELECT ?, hash, 'queued', ?, ?, ? FROM captures WHERE hash = ?");
+                   "INSERT INTO runs (kind, capture, status, created_utc, request, expected_results, priority, "
+                   "retries, submitter) SELECT ?, hash, 'queued', ?, ?, ?, ?, ?, ? FROM captures WHERE hash = ?");
   insert.bind(to_text(kind))
       .bind(created)
       .bind(request)
       .bind(static_cast<std::int64_t>(expected_results))
+      .bind(std::int64_t{place.priority})
+      .bind(std::int64_t{place.retries})
+      .bind(place.submitter)
       .bind(capture)
       .run();
   if (writer_.changes() == 0) return std::nullopt;
@@ -173,10 +179,26 @@ std::optional<RunRecord> Store::start_next_run() {
   const std::lock_guard lock(write_mutex_);
   Transaction transaction(writer_);
   std::int64_t id = 0;
+  bool is_thumbnail = false;
   {
-    Statement next(writer_, "SELECT id FROM runs WHERE status = 'queued' ORDER BY kind = 'thumbnail' DESC, id LIMIT 1");
+    Statement next(writer_,
+                   "SELECT id, kind = 'thumbnail' AS small FROM runs LEFT JOIN submitters ON name = submitter "
+                   "WHERE status = 'queued' "
+                   "ORDER BY small DESC, priority DESC, coalesce(last_turn, 0), id LIMIT 1");
     if (!next.step()) return std::nullopt;
     id = next.integer();
+    is_thumbnail = next.integer() != 0;
+  }
+  if (!is_thumbnail) {
+    Statement(writer_,
+              "INSERT INTO submitters (name, last_turn) "
+              "SELECT submitter, (SELECT coalesce(max(last_turn), 0) + 1 FROM submitters) FROM runs WHERE id = ? "
+              "ON CONFLICT (name) DO UPDATE SET last_turn = excluded.last_turn")
+        .bind(id)
+        .run();
+    // Who has nothing queued has nothing to wait for; the table stays as small as the queue.
+    writer_.execute(
+        "DELETE FROM submitters WHERE name NOT IN (SELECT submitter FROM runs WHERE status IN ('queued', 'running'))");
   }
   const std::string now = utc_now();
   Statement(writer_,
@@ -188,6 +210,14 @@ std::optional<RunRecord> Store::start_next_run() {
   std::optional<RunRecord> run = select_run(writer_, id);
   transaction.commit();
   return run;
+}
+
+void Store::requeue(std::int64_t id, std::string_view reason) {
+  const std::lock_guard lock(write_mutex_);
+  Statement(writer_, "UPDATE runs SET status = 'queued', reason = ? WHERE id = ? AND status = 'running'")
+      .bind(reason)
+      .bind(id)
+      .run();
 }
 
 void Store::requeue_running(bool graceful) {

@@ -23,7 +23,7 @@ using server::Store;
 class Nights : public ServiceTest {
  protected:
   std::filesystem::path data() const { return folder() / "data"; }
-  std::filesystem::path tweak_file() const { return folder() / "tweak.json"; }
+  std::filesystem::path tweak_file() const { return data() / "cache" / "tweak.json"; }  // where workers may read
   void tweak(const json& change) const { std::ofstream(tweak_file()) << change; }
 
   std::filesystem::path a_capture(json behaviour = json::object()) const {

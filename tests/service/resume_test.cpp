@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
+#include <random>
 #include <set>
 
 #include "tests/service/service_fixture.hpp"
@@ -29,7 +31,7 @@ std::set<std::string> stored_results(Client& client, std::int64_t run) {
 
 TEST(Resume, KilledServiceRepeatsNothingStoredAndLosesNothing) {
   const TemporaryFolder folder;
-  const std::filesystem::path log = folder.path() / "measured";
+  const std::filesystem::path log = folder.path() / "data" / "cache" / "measured";
   std::int64_t run = 0;
   std::set<std::string> stored;
   {
@@ -69,7 +71,7 @@ TEST(Resume, KilledServiceRepeatsNothingStoredAndLosesNothing) {
 
 TEST(Resume, WorkersDieWithTheirService) {
   const TemporaryFolder folder;
-  const std::filesystem::path log = folder.path() / "measured";
+  const std::filesystem::path log = folder.path() / "data" / "cache" / "measured";
   ServiceProcess service(folder.path() / "data");
   Client client(service.port());
   client.start_run(client.upload_fake({{"frames", 200}, {"result_ms", 15}, {"log", log.string()}}));
@@ -103,6 +105,89 @@ TEST(Resume, GracefulEndIsQuickAndResumed) {
   ServiceProcess service(folder.path() / "data");
   Client client(service.port());
   EXPECT_EQ(client.wait_for_end(run).at("status"), "done");
+}
+
+TEST(Resume, GracefulEndWaitsForNobody) {
+  const TemporaryFolder folder;
+  std::int64_t run = 0;
+  {
+    ServiceProcess service(folder.path() / "data");
+    Client client(service.port());
+    run = client.start_run(client.upload_fake({{"frames", 1}, {"fail_at", 0}, {"how", "hang"}, {"times", 1}}));
+    while (client.get("/api/runs/" + std::to_string(run)).at("status") != "running") {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    const int port = service.port();
+    std::thread inspected([port] { Client(port).upload(fake_capture({{"how", "info_hang"}})); });
+    std::thread uploading([port] {
+      raw_exchange(port,
+                   "POST /api/captures HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\nFAKE half of it");
+    });
+    std::thread follower([port, run] {
+      Client mine(port);
+      mine.http().Get("/api/runs/" + std::to_string(run) + "/events", [](const char*, std::size_t) { return true; });
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(service.end(SIGTERM), 0);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+    for (std::thread* const thread : {&inspected, &uploading, &follower}) thread->join();
+  }
+  ServiceProcess service(folder.path() / "data");
+  Client client(service.port());
+  EXPECT_EQ(client.wait_for_end(run).at("status"), "done");
+}
+
+// The short form of scripts/kill_campaign.py.
+TEST(Resume, KilledAtRandomMomentsARunEndsWithTheSameBits) {
+  const TemporaryFolder folder;
+  const json behaviour = {{"frames", 40}, {"result_ms", 4}};
+  const auto images = [](const json& results) {
+    std::map<std::string, std::string> by_result;
+    for (const json& result : results.at("results")) {
+      const std::string name =
+          std::to_string(result.at("frame").get<int>()) + result.at("technique").get<std::string>();
+      EXPECT_TRUE(by_result.emplace(name, result.at("images").dump()).second) << name << " is there twice";
+    }
+    return by_result;
+  };
+  std::mt19937 random(7);
+  auto service = std::make_unique<ServiceProcess>(folder.path() / "data");
+  auto client = std::make_unique<Client>(service->port());
+  const std::string hash = client->upload_fake(behaviour);
+  const json request = {{"capture", hash}, {"techniques", {"noaa", "msaa"}}, {"width", 32},
+                        {"height", 18},    {"reference_samples", 64},        {"retries", 1000}};
+  const auto start_run = [&] {
+    const httplib::Result started = client->post_run(request);
+    EXPECT_TRUE(started && started->status == 201);
+    return json::parse(started->body).at("id").get<std::int64_t>();
+  };
+  const auto results_of = [&](std::int64_t run) {
+    return client->get("/api/runs/" + std::to_string(run) + "/results.json");
+  };
+  const std::int64_t undisturbed = start_run();
+  EXPECT_EQ(client->wait_for_end(undisturbed).at("status"), "done");
+  const std::int64_t killed = start_run();
+  int workers = 0, services = 0;
+  for (int kill = 0; kill < 40; ++kill) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(random() % 30));
+    if (random() % 3 != 0) {
+      workers += service->kill_children();
+      continue;
+    }
+    service->end(SIGKILL);
+    ++services;
+    service = std::make_unique<ServiceProcess>(folder.path() / "data");
+    client = std::make_unique<Client>(service->port());
+  }
+  EXPECT_GT(workers, 5);
+  EXPECT_GT(services, 5);
+  const json ended = client->wait_for_end(killed);
+  EXPECT_EQ(ended.at("status"), "done") << ended;
+  EXPECT_EQ(ended.at("reason"), "");
+  const auto expected = images(results_of(undisturbed));
+  EXPECT_EQ(expected.size(), 80u);
+  EXPECT_EQ(images(results_of(killed)), expected);
 }
 
 TEST(Resume, RunThatTakesTheServiceDownIsGivenUp) {

@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <fstream>
 #include <utility>
 
 namespace subpixel::tests {
@@ -136,6 +137,16 @@ int ServiceProcess::end(int signal) {
   int status = 0;
   ::waitpid(std::exchange(pid_, -1), &status, 0);
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+int ServiceProcess::kill_children() const {
+  int killed = 0;
+  std::error_code gone;
+  for (const auto& thread : fs::directory_iterator("/proc/" + std::to_string(pid_) + "/task", gone)) {
+    std::ifstream children(thread.path() / "children");
+    for (pid_t child = 0; children >> child;) killed += ::kill(child, SIGKILL) == 0 ? 1 : 0;
+  }
+  return killed;
 }
 
 void ServiceTest::start(const server::ServiceOptions& options) {

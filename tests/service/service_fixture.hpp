@@ -80,6 +80,8 @@ class ServiceProcess {
   int id() const { return pid_; }
   // Sends the signal, waits for the end and returns the exit code, -1 for an end by a signal.
   int end(int signal);
+  // Kills its workers and inspections as SIGKILL does. Returns how many there were.
+  int kill_children() const;
 
  private:
   int pid_ = -1;

@@ -1,4 +1,6 @@
 // Workers that go wrong in every way: the run ends with a reason, its results stay, the service goes on.
+#include <map>
+
 #include "tests/service/service_fixture.hpp"
 
 namespace subpixel::tests {
@@ -32,6 +34,8 @@ TEST_P(WorkerFailure, EndsTheRunWithAReason) {
   const json run = client().wait_for_end(client().start_run(hash));
   EXPECT_EQ(run.at("status"), "failed") << run;
   EXPECT_NE(run.at("reason").get<std::string>().find(GetParam().reason), std::string::npos) << run.at("reason");
+  const bool tried_again = run.at("reason").get<std::string>().find("given up after 3 starts") != std::string::npos;
+  EXPECT_EQ(tried_again, GetParam().reason.starts_with("signal ")) << run.at("reason");
   EXPECT_EQ(run.at("stored_results"), GetParam().how == "no_done" ? 6 : 2);
 
   const std::string good = client().upload_fake({{"frames", 1}});
@@ -73,6 +77,62 @@ TEST_F(Worker, MissingProgramIsAReason) {
   const json run = client().wait_for_end(client().start_run(hash));
   EXPECT_EQ(run.at("status"), "failed");
   EXPECT_NE(run.at("reason").get<std::string>().find("can't be executed"), std::string::npos) << run;
+}
+
+TEST_F(Worker, OneThatDiesNowAndThenIsStartedAgain) {
+  const json dies = {{"frames", 2}, {"fail_at", 2}, {"how", "kill"}, {"times", 3}};
+  const std::string hash = client().upload_fake(dies);
+  const auto run_with = [&](int retries) {
+    const httplib::Result started = client().post_run(
+        {{"capture", hash}, {"techniques", {"noaa", "msaa"}}, {"width", 32}, {"height", 18}, {"retries", retries}});
+    EXPECT_TRUE(started && started->status == 201) << started->body;
+    return client().wait_for_end(json::parse(started->body).at("id").get<std::int64_t>());
+  };
+  // The first start has results; the one after it has none.
+  const json given_up = run_with(1);
+  EXPECT_EQ(given_up.at("status"), "failed");
+  EXPECT_NE(given_up.at("reason").get<std::string>().find("signal 9"), std::string::npos) << given_up;
+  EXPECT_NE(given_up.at("reason").get<std::string>().find("given up after 2 starts"), std::string::npos) << given_up;
+  std::filesystem::remove(folder() / "data" / "cache" / "times");
+  const json went_on = run_with(3);
+  EXPECT_EQ(went_on.at("status"), "done") << went_on;
+  EXPECT_EQ(went_on.at("reason"), "");
+  EXPECT_EQ(went_on.at("stored_results"), 4);
+  for (const json& wrong : {json(-1), json(1001), json("2"), json(0.5)}) {
+    const httplib::Result refused =
+        client().post_run({{"capture", hash}, {"techniques", {"noaa"}}, {"retries", wrong}});
+    error_of(refused, 400);
+  }
+}
+
+TEST_F(Worker, PriorityComesFirstAndSubmittersTakeTurns) {
+  const std::string slow = client().upload_fake({{"frames", 1}, {"result_ms", 400}});
+  const std::string quick = client().upload_fake({{"frames", 1}});
+  const auto submit = [&](const std::string& capture, const std::string& address, int priority) {
+    Client from(port());
+    from.http().set_interface(address);
+    const httplib::Result started = from.post_run(
+        {{"capture", capture}, {"techniques", {"noaa"}}, {"width", 32}, {"height", 18}, {"priority", priority}});
+    EXPECT_TRUE(started && started->status == 201) << address;
+    const json run = json::parse(started->body);
+    EXPECT_EQ(run.at("submitter"), address);
+    EXPECT_EQ(run.at("priority"), priority);
+    return run.at("id").get<std::int64_t>();
+  };
+  std::vector<std::pair<std::int64_t, std::string>> runs;
+  runs.emplace_back(submit(slow, "127.0.0.1", 5), "first of 1");
+  while (client().get("/api/runs/" + std::to_string(runs[0].first)).at("status") == "queued") {
+  }
+  for (const char* const name : {"second of 1", "third of 1"}) runs.emplace_back(submit(quick, "127.0.0.1", 5), name);
+  runs.emplace_back(submit(quick, "127.0.0.1", 4), "low of 1");
+  for (const char* const name : {"first of 2", "second of 2"}) runs.emplace_back(submit(quick, "127.0.0.2", 5), name);
+  runs.emplace_back(submit(quick, "127.0.0.3", 9), "high of 3");
+  std::map<std::string, std::string> order;
+  for (const auto& [id, name] : runs) order[client().wait_for_end(id).at("started_utc")] = name;
+  std::vector<std::string> names;
+  for (const auto& [started, name] : order) names.push_back(name);
+  EXPECT_EQ(names, (std::vector<std::string>{"first of 1", "high of 3", "first of 2", "second of 1", "second of 2",
+                                             "third of 1", "low of 1"}));
 }
 
 TEST_F(Worker, SeveralRunAtATimeWhenAskedFor) {

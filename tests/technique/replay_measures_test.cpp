@@ -2,8 +2,15 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+#include <vector>
 
+#include "replay/results/parameters.hpp"
+#include "replay/results/worker_protocol.hpp"
+#include "replay/techniques/complete_technique.hpp"
 #include "tests/technique/run_binary.hpp"
 
 namespace subpixel::tests {
@@ -129,6 +136,42 @@ TEST_F(ReplayMeasures, AFrameAloneHasTheHistoryItHasAmongOthers) {
     EXPECT_EQ(a.at("shading"), b.at("shading"));
   }
   EXPECT_LT(all.at(6).at("error").at("mse"), all.at(7).at("error").at("mse"));
+}
+
+// What the service does when a worker died: the rest of the run is measured as if it had never stopped. Flicker is told
+// from the image of the frame before, which another process drew.
+TEST_F(ReplayMeasures, AreTheSameWhenOthersAreThereAlready) {
+  ASSERT_EQ(run_binary("generate spheres scene.spcap --frames 3 --size 64x36", folder_).code, 0);
+  replay::ReplayJob job{folder_ / "scene.spcap", folder_ / "out", folder_ / "cache", {}};
+  for (const auto& request : replay::parse_technique_list("noaa,msaa:samples=4")) {
+    ASSERT_TRUE(replay::add_once(job.options.techniques, replay::complete_technique(request, 4)));
+  }
+  job.options.frames = {0, 2};
+  job.options.repeat = 1;
+  job.options.reference_samples = 16;
+  using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+  const auto errors_without = [&](const Pairs& skipped) {
+    job.options.skip = skipped;
+    std::ofstream(folder_ / "job.json") << replay::to_json(job);
+    const Finished run = run_binary("worker --job job.json", folder_);
+    EXPECT_EQ(run.code, 0) << run.out << run.error;
+    std::map<std::pair<int, int>, json> errors;
+    std::istringstream lines(run.out);
+    for (std::string line; std::getline(lines, line);) {
+      const json message = json::parse(line);
+      if (message.at("type") != "result") continue;
+      errors[{message.at("result").at("frame"), message.at("ordinal")}] = message.at("result").at("error");
+    }
+    return errors;
+  };
+  const auto whole = errors_without({});
+  ASSERT_EQ(whole.size(), 6u);
+  EXPECT_TRUE(whole.at({1, 1}).at("flicker").is_number()) << whole.at({1, 1});
+  for (const Pairs& skipped : {Pairs{{0, 0}, {0, 1}}, Pairs{{0, 0}}, Pairs{{0, 0}, {0, 1}, {1, 0}}}) {
+    const auto rest = errors_without(skipped);
+    EXPECT_EQ(rest.size(), 6u - skipped.size());
+    for (const auto& [place, error] : rest) EXPECT_EQ(error, whole.at(place)) << place.first << "/" << place.second;
+  }
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 //   title, frames, notices   what `info` reports
 //   result_ms           how long each result takes
 //   fail_at, how        before result number fail_at (from 0, skipped ones counted): see misbehave()
-//   log                 a file that gets a line "frame/technique" for each result measured
+//   times               it goes wrong so often and then no more; without it always
+//   reach               the file that `reach` and `info_reach` try to open
+//   log                 a file of the cache folder that gets a line "frame/technique" for each result measured
 //   width, height       of the images; 0: as asked for
 //   tweak               a file; while it is there, its JSON object changes what one technique measures: `technique`,
 //                       `slower` (factor), `executions` (added), `mse` (factor), `pixel` (added to the first one)
@@ -13,8 +15,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -24,6 +28,7 @@
 
 #include "replay/results/worker_protocol.hpp"
 #include "tests/service/fake_worker/png.hpp"
+#include "tests/service/fake_worker/probe.hpp"
 
 namespace {
 
@@ -42,6 +47,22 @@ json read_fake_capture(const std::string& path) {
     ::_exit(3);
   }
   return json::parse(text.substr(5, text.find('\n', 5) - 5));
+}
+
+std::string reached(const json& fake) {
+  const int file = ::open(fake.value("reach", "").c_str(), O_RDONLY | O_CLOEXEC);
+  return std::string("reach: ") + (file >= 0 ? "done" : ::strerror(errno));
+}
+
+// Whether it is time to go wrong once more: the cache folder outlives workers, and a file in it counts.
+bool is_due(const json& fake, const std::filesystem::path& cache) {
+  if (!fake.contains("times")) return true;
+  std::error_code none_yet;
+  const std::filesystem::path counter = cache / "times";
+  const std::uintmax_t times = std::filesystem::file_size(counter, none_yet);
+  if (!none_yet && times >= fake["times"].get<std::uintmax_t>()) return false;
+  std::ofstream(counter, std::ios::app) << 'x';
+  return true;
 }
 
 void misbehave(const std::string& how) {
@@ -198,11 +219,13 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
 int info(const std::string& path) {
   const json fake = read_fake_capture(path);
   if (fake.value("how", "") == "info_kill") ::raise(SIGKILL);
+  if (fake.value("how", "") == "info_hang") std::this_thread::sleep_for(std::chrono::hours(1));
+  const bool reaches = fake.value("how", "") == "info_reach";
   if (fake.value("how", "") == "info_internal") {
     std::cerr << "subpixel: internal error: no such shader: please report it\n";
     return 70;
   }
-  std::cout << json{{"title", fake.value("title", "A fake capture")},
+  std::cout << json{{"title", reaches ? reached(fake) : fake.value("title", "A fake capture")},
                     {"frame_count", fake.value("frames", 2)},
                     {"width", fake.value("width", 64)},
                     {"height", fake.value("height", 36)},
@@ -235,7 +258,11 @@ int work(const std::string& job_path) {
     for (std::uint32_t index = 0; index < techniques; ++index, ++done) {
       const std::pair<std::uint32_t, std::uint32_t> pair{frame, index};
       if (std::ranges::find(job.options.skip, pair) != job.options.skip.end()) continue;
-      if (fail_at == static_cast<int>(done)) misbehave(how);
+      if (fail_at == static_cast<int>(done) && how == "reach") {
+        say({{"type", "error"}, {"message", reached(fake)}, {"exit", 3}});
+        return 3;
+      }
+      if (fail_at == static_cast<int>(done) && is_due(fake, job.cache_dir)) misbehave(how);
       say({{"type", "progress"},
            {"stage", "replay"},
            {"done", done},
@@ -265,6 +292,7 @@ int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   if (arguments.size() == 3 && arguments[0] == "info" && arguments[2] == "--json") return info(arguments[1]);
   if (arguments.size() == 3 && arguments[0] == "worker" && arguments[1] == "--job") return work(arguments[2]);
-  std::cerr << "usage: info FILE --json | worker --job FILE\n";
+  if (arguments.size() == 3 && arguments[0] == "probe") return tests::probe(arguments[1], arguments[2]);
+  std::cerr << "usage: info FILE --json | worker --job FILE | probe WHAT PATH\n";
   return 2;
 }
