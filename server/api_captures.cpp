@@ -104,6 +104,8 @@ void Api::post_capture(const Request& request, Response& response) {
     inspected.size_bytes = upload.size_bytes();
     inspected.uploaded_utc = utc_now();
     added = store_.add_capture(inspected);
+    // Upkeep in another process deletes files that no row names, by now no longer this one.
+    if (!std::filesystem::exists(folder_.capture(hash))) upload.keep(hash);
     if (added && inspected.frame_count > 0 && store_.add_run(RunKind::thumbnail, hash, thumbnail_options(), 1)) {
       queue_.notify();
     }

@@ -39,10 +39,7 @@ CaptureRecord read_capture(Statement& row) {
 }  // namespace
 
 void delete_unnamed_blobs(const Connection& connection) {
-  connection.execute(
-      "DELETE FROM blobs WHERE NOT EXISTS (SELECT 1 FROM images WHERE blob = blobs.hash) "
-      "AND NOT EXISTS (SELECT 1 FROM night_images WHERE blob = blobs.hash) "
-      "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash)");
+  connection.execute(fmt::format("DELETE FROM blobs WHERE {}", kBlobIsUnnamed));
 }
 
 std::string utc_now() {
@@ -52,13 +49,19 @@ std::string utc_now() {
                      (now - second).count());
 }
 
+std::int64_t schema_version(const Connection& connection) {
+  Statement version(connection, "PRAGMA user_version");
+  version.step();
+  return version.integer();
+}
+
+std::int64_t newest_schema_version() {
+  return static_cast<std::int64_t>(schema_steps().size());
+}
+
 void migrate(const Connection& connection, const std::vector<std::string_view>& steps,
              const std::filesystem::path& file) {
-  const auto version_of = [&] {
-    Statement version(connection, "PRAGMA user_version");
-    version.step();
-    return version.integer();
-  };
+  const auto version_of = [&] { return schema_version(connection); };
   const auto newest = static_cast<std::int64_t>(steps.size());
   while (version_of() < newest) {
     Transaction transaction(connection);

@@ -155,6 +155,10 @@ class Store {
   mutable std::vector<std::unique_ptr<Connection>> idle_readers_;
 };
 
+// The version of the store that `connection` has open, and the newest that this program knows.
+std::int64_t schema_version(const Connection& connection);
+std::int64_t newest_schema_version();
+
 // The schema's steps in order; step i takes version i to version i + 1. Applies those `connection` lacks, each in one
 // transaction with its version number. Throws InputError when the store is newer than the steps.
 void migrate(const Connection& connection, const std::vector<std::string_view>& steps,
@@ -162,7 +166,11 @@ void migrate(const Connection& connection, const std::vector<std::string_view>& 
 
 // Stores the bytes once and returns their hash. Throws InputError for other bytes with the hash of stored ones.
 std::string store_blob(const Connection& connection, const Blob& blob);
-// Blobs have no owner: deletes those that nothing names.
+// Blobs have no owner. This is true of those that nothing names, and this deletes them.
+constexpr std::string_view kBlobIsUnnamed =
+    "NOT EXISTS (SELECT 1 FROM images WHERE blob = blobs.hash) "
+    "AND NOT EXISTS (SELECT 1 FROM night_images WHERE blob = blobs.hash) "
+    "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash)";
 void delete_unnamed_blobs(const Connection& connection);
 
 // Now, as "2025-01-31T12:00:00.123Z".
