@@ -116,6 +116,10 @@ std::int64_t Statement::integer() {
   return sqlite3_column_int64(handle_.get(), next_column_++);
 }
 
+double Statement::real() {
+  return sqlite3_column_double(handle_.get(), next_column_++);
+}
+
 std::string Statement::text() {
   return optional_text().value_or(std::string());
 }

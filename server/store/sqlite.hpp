@@ -69,6 +69,7 @@ class Statement {
 
   // The next column of the current row.
   std::int64_t integer();
+  double real();
   std::string text();  // NULL is empty
   std::optional<std::string> optional_text();
   std::string blob();

@@ -261,4 +261,45 @@ StoreCounts Store::counts() const {
   return counts;
 }
 
+StoreGauges Store::gauges() const {
+  const ReadLease reader = read();
+  StoreGauges gauges;
+  Statement runs(reader.connection(),
+                 "SELECT kind, status, CASE status WHEN 'failed' THEN reason ELSE '' END AS why, count(*) FROM runs "
+                 "GROUP BY kind, status, why");
+  while (runs.step()) {
+    StoreGauges::Runs each;
+    each.kind = runs.text();
+    each.status = runs.text();
+    each.reason = runs.text();
+    each.count = static_cast<std::uint64_t>(runs.integer());
+    gauges.runs.push_back(std::move(each));
+  }
+  Statement stages(reader.connection(),
+                   "SELECT 'all', sum(head ->> '$.wall_s') FROM runs WHERE head IS NOT NULL HAVING count(*) > 0 UNION "
+                   "ALL SELECT key, sum(value) FROM runs, json_each(runs.head, '$.outside_parts_s') GROUP BY key");
+  while (stages.step()) {
+    const std::string stage = stages.text();
+    gauges.stage_seconds[stage] = stages.real();
+  }
+  Statement sizes(reader.connection(),
+                  "SELECT (SELECT count(*) FROM frame_results), (SELECT count(*) FROM captures), (SELECT "
+                  "coalesce(sum(size_bytes), 0) FROM captures), page_count * page_size, freelist_count * page_size "
+                  "FROM pragma_page_count, pragma_page_size, pragma_freelist_count");
+  sizes.step();
+  for (std::uint64_t* const value :
+       {&gauges.results, &gauges.captures, &gauges.capture_bytes, &gauges.store_bytes, &gauges.store_free_bytes}) {
+    *value = static_cast<std::uint64_t>(sizes.integer());
+  }
+  return gauges;
+}
+
+void Store::probe() {
+  const std::lock_guard lock(write_mutex_);
+  Transaction transaction(writer_);
+  // Says the same again, so that something is written.
+  writer_.execute(fmt::format("PRAGMA user_version = {}", schema_version(writer_)));
+  transaction.commit();
+}
+
 }  // namespace subpixel::server

@@ -79,6 +79,17 @@ struct StoreCounts {
   std::uint64_t captures = 0, runs = 0, queued = 0, running = 0;
 };
 
+// What there is, for whoever watches the service.
+struct StoreGauges {
+  struct Runs {
+    std::string kind, status, reason;
+    std::uint64_t count = 0;
+  };
+  std::vector<Runs> runs;
+  std::map<std::string, double> stage_seconds;  // of all stored runs' heads
+  std::uint64_t results = 0, captures = 0, capture_bytes = 0, store_bytes = 0, store_free_bytes = 0;
+};
+
 class Store {
  public:
   // Opens or creates the file and brings it to this program's version. Throws InputError for a newer or foreign one.
@@ -138,6 +149,9 @@ class Store {
   bool read_blob(std::string_view hash, std::uint64_t first, std::uint64_t length,
                  const std::function<bool(std::string_view)>& take) const;
   StoreCounts counts() const;
+  StoreGauges gauges() const;
+  // Whether it takes writes now: throws SqliteError as a write would.
+  void probe();
 
   // For parts of the store with SQL of their own (store_access.hpp): a connection to read with, and the one that
   // writes, which nobody else has for as long as the lease is held.
