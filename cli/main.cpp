@@ -16,6 +16,8 @@
 #include "cli/nightly_verbs.hpp"
 #include "cli/replay_verbs.hpp"
 #include "cli/service_verbs.hpp"
+#include "cli/store_verbs.hpp"
+#include "cli/token_verbs.hpp"
 #include "server/store/sqlite.hpp"
 
 namespace {
@@ -54,6 +56,8 @@ int main(int argc, char** argv) {
   subpixel::cli::add_measure_verbs(app, action);
   subpixel::cli::add_service_verbs(app, action);
   subpixel::cli::add_nightly_verbs(app, action);
+  subpixel::cli::add_store_verbs(app, action);
+  subpixel::cli::add_token_verbs(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -1,6 +1,8 @@
 #include "cli/nightly_verbs.hpp"
 
 #include <fmt/format.h>
+#include <pwd.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <iostream>
@@ -65,7 +67,7 @@ int nightly(const NightlyArguments& arguments) {
 }
 
 struct BaselineArguments {
-  std::string data = kDefaultData, name;
+  std::string data = kDefaultData, name, why;
   std::optional<std::int64_t> night;
   bool as_json = false;
 };
@@ -83,7 +85,8 @@ int baseline_set(const BaselineArguments& arguments) {
     }
   }
   if (!id) throw InputError("baseline", "there is no finished night", folder.store().string());
-  if (!nights.set_baseline(arguments.name, *id)) {
+  const passwd* const user = ::getpwuid(::getuid());
+  if (!nights.set_baseline(arguments.name, *id, user != nullptr ? user->pw_name : "", arguments.why)) {
     throw InputError("baseline", "there is no finished night of this number", std::to_string(*id));
   }
   fmt::print("{} is night {}\n", printable(arguments.name), *id);
@@ -96,9 +99,16 @@ int baseline_list(const BaselineArguments& arguments) {
   const server::NightStore nights(store);
   nlohmann::json list = nlohmann::json::array();
   for (const server::BaselineRecord& baseline : nights.baselines()) {
-    list.push_back({{"name", baseline.name}, {"night", baseline.night}, {"set_utc", baseline.set_utc}});
-    if (!arguments.as_json)
-      fmt::print("{:<16} night {:<6} set {}\n", printable(baseline.name), baseline.night, baseline.set_utc);
+    list.push_back({{"name", baseline.name},
+                    {"night", baseline.night},
+                    {"set_utc", baseline.set_utc},
+                    {"who", baseline.who},
+                    {"why", baseline.why}});
+    if (!arguments.as_json) {
+      fmt::print("{:<16} night {:<6} set {}{}{}\n", printable(baseline.name), baseline.night, baseline.set_utc,
+                 baseline.who.empty() ? "" : " by " + printable(baseline.who),
+                 baseline.why.empty() ? "" : ": " + printable(baseline.why));
+    }
   }
   if (arguments.as_json) fmt::print("{}\n", json_text(list, 1));
   return 0;
@@ -149,8 +159,9 @@ void add_baseline(CLI::App& app, std::function<int()>& action) {
     part->callback([arguments, run, &action] { action = [arguments, run] { return run(*arguments); }; });
     return part;
   };
-  add("set", "Approve a night: later ones are compared with it", true, &baseline_set)
-      ->add_option("--night", arguments->night, "Number of the night; default: the newest finished one");
+  CLI::App* const set = add("set", "Approve a night: later ones are compared with it", true, &baseline_set);
+  set->add_option("--night", arguments->night, "Number of the night; default: the newest finished one");
+  set->add_option("--why", arguments->why, "Why it may be the baseline, kept with who and when");
   add("list", "List the baselines", false, &baseline_list)
       ->add_flag("--json", arguments->as_json, "Print one JSON document");
   add("show", "Show the night that a baseline names", true, &baseline_show)

@@ -14,12 +14,15 @@
 #include <thread>
 
 #include "base/error.hpp"
+#include "base/json_text.hpp"
+#include "base/log_fields.hpp"
 #include "base/numbers.hpp"
 #include "base/printable.hpp"
 #include "cli/option_values.hpp"
 #include "cli/submission.hpp"
 #include "process/confinement.hpp"
 #include "server/service.hpp"
+#include "server/store/store.hpp"
 
 namespace subpixel::cli {
 namespace {
@@ -32,6 +35,7 @@ struct ServeArguments {
   std::optional<double> worker_memory_gb;
   std::uint32_t silence_s = 600, duration_s = 12 * 3600, processor_s = 0;
   std::vector<std::string> worker_reads;
+  bool require_token = false, log_json = false, log_requests = false;
 };
 
 // Splits "HOST:PORT" or "[V6]:PORT".
@@ -64,6 +68,8 @@ server::ServiceOptions service_options(const ServeArguments& arguments) {
   options.data = arguments.data;
   std::tie(options.host, options.port) = parse_address(arguments.listen);
   options.host_names = arguments.host_names;
+  options.require_token = arguments.require_token;
+  options.log_requests = arguments.log_requests;
   constexpr double kGigabyte = 1 << 30;
   options.upload_limit_bytes = static_cast<std::uint64_t>(arguments.upload_limit_gb * kGigabyte);
   options.worker.program = arguments.worker.empty() ? std::filesystem::read_symlink("/proc/self/exe").string()
@@ -89,12 +95,44 @@ class PrintableText : public spdlog::custom_flag_formatter {
   std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<PrintableText>(); }
 };
 
-int serve(const ServeArguments& arguments) {
+// What the thread is busy with, after the text.
+class Fields : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg&, const std::tm&, spdlog::memory_buf_t& out) override {
+    for (const auto& [name, value] : log_fields()) {
+      const std::string text = fmt::format(" {}={}", name, printable(value));
+      out.append(text.data(), text.data() + text.size());
+    }
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<Fields>(); }
+};
+
+// One JSON document a line.
+class JsonLines : public spdlog::formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& out) override {
+    const auto level = spdlog::level::to_string_view(message.level);
+    nlohmann::json line = {{"time", server::utc_now()},
+                           {"level", std::string(level.data(), level.size())},
+                           {"message", std::string(message.payload.data(), message.payload.size())}};
+    for (const auto& [name, value] : log_fields()) line[name] = value;
+    const std::string text = json_text(line) + "\n";
+    out.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<formatter> clone() const override { return std::make_unique<JsonLines>(); }
+};
+
+void set_up_log(bool as_json) {
   // The log goes to standard error; standard output has the address and nothing else, for scripts.
   spdlog::set_default_logger(spdlog::stderr_color_mt("subpixel"));
+  if (as_json) return spdlog::set_formatter(std::make_unique<JsonLines>());
   auto lines = std::make_unique<spdlog::pattern_formatter>();
-  lines->add_flag<PrintableText>('*').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*");
+  lines->add_flag<PrintableText>('*').add_flag<Fields>('?').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*%?");
   spdlog::set_formatter(std::move(lines));
+}
+
+int serve(const ServeArguments& arguments) {
+  set_up_log(arguments.log_json);
   ::signal(SIGPIPE, SIG_IGN);
   // Blocked before any thread starts, so that only the waiting one below gets them.
   sigset_t endings;
@@ -104,7 +142,12 @@ int serve(const ServeArguments& arguments) {
   ::pthread_sigmask(SIG_BLOCK, &endings, nullptr);
 
   for (const std::string& gap : confinement_gaps()) spdlog::warn("workers are less confined: {}", gap);
-  server::Service service(service_options(arguments));
+  const server::ServiceOptions options = service_options(arguments);
+  if (!options.require_token && options.host != "localhost" && options.host != "::1" &&
+      !options.host.starts_with("127.")) {
+    spdlog::warn("whoever reaches {} may do everything: --require-token asks for tokens", options.host);
+  }
+  server::Service service(options);
   const std::string host = arguments.listen.substr(0, arguments.listen.rfind(':'));
   fmt::print("listening on http://{}:{}\n", printable(host), service.port());
   std::fflush(stdout);
@@ -156,6 +199,10 @@ void add_serve(CLI::App& app, std::function<int()>& action) {
   verb->add_option("--worker-time", arguments->duration_s, "Seconds after which a worker is ended")
       ->check(CLI::Range(1, 10'000'000))
       ->capture_default_str();
+  verb->add_flag("--require-token", arguments->require_token,
+                 "Whoever reads or changes anything needs a token (see subpixel token)");
+  verb->add_flag("--log-json", arguments->log_json, "Write the log as one JSON document a line");
+  verb->add_flag("--log-requests", arguments->log_requests, "Log each request");
   verb->add_option("--worker-program", arguments->worker,
                    "Program run as `PROGRAM worker --job FILE`; default: this one")
       ->check(CLI::ExistingFile);
@@ -166,7 +213,9 @@ void add_submit(CLI::App& app, std::function<int()>& action) {
   const auto submission = std::make_shared<Submission>();
   CLI::App* const verb = app.add_subcommand("submit", "Send a capture to a service and start a run of it");
   verb->add_option("file", submission->file, "Capture")->required()->check(CLI::ExistingFile);
-  verb->add_option("--server", submission->server, "http://HOST:PORT")->required();
+  verb->add_option("--server", submission->server, "http://HOST:PORT, or https://HOST")->required();
+  verb->add_option("--token-file", submission->token_file,
+                   "File with the token of a service that wants one; default: what SUBPIXEL_TOKEN holds");
   verb->add_option("--techniques", submission->techniques, "a,b:param=v,...; without it the capture is only sent");
   verb->add_option("--samples", submission->samples, "Samples per pixel of techniques that are not given their own")
       ->transform(within(replay::kSamplesLimit));

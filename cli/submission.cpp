@@ -5,6 +5,7 @@
 #include <httplib.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -62,6 +63,18 @@ json answer(const httplib::Result& result, const std::string& what, const std::s
   const std::string where = error.value("where", server);
   if (result->status == 400) throw UsageError(what, why, where);
   throw InputError(what, why, where);
+}
+
+std::string token_of(const Submission& submission) {
+  if (submission.token_file.empty()) {
+    const char* const token = std::getenv("SUBPIXEL_TOKEN");
+    return token != nullptr ? token : "";
+  }
+  std::string token;
+  if (!(std::ifstream(submission.token_file) >> token)) {
+    throw InputError("can't submit", "there is no token in the file", submission.token_file);
+  }
+  return token;
 }
 
 json send_capture(httplib::Client& client, const Submission& submission) {
@@ -135,6 +148,7 @@ std::string hash_at_service(httplib::Client& client, const Submission& submissio
 int submit_to_service(const Submission& submission) {
   httplib::Client client(submission.server);
   if (!client.is_valid()) throw UsageError("can't submit", "expected http://HOST:PORT", "--server");
+  if (const std::string token = token_of(submission); !token.empty()) client.set_bearer_token_auth(token);
   client.set_read_timeout(std::chrono::minutes(6));  // a service reads a large capture before it answers
   json body;
   if (!submission.techniques.empty())

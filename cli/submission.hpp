@@ -9,6 +9,7 @@ namespace subpixel::cli {
 
 struct Submission {
   std::string file, server;
+  std::string token_file;  // empty: the environment's SUBPIXEL_TOKEN, if any
   std::string techniques;  // of the command line's form; empty: only send the capture
   std::string frames, size;
   std::optional<std::uint32_t> samples, repeat, reference_samples, point_lights, priority, retries;

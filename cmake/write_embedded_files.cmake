@@ -4,6 +4,7 @@ set(media_css "text/css; charset=utf-8")
 set(media_js "text/javascript; charset=utf-8")
 set(media_svg "image/svg+xml")
 set(media_sql "text/plain; charset=utf-8")
+set(media_json "application/json")
 set(media_py "text/x-python; charset=utf-8")
 
 function(embed variable file path)

@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 . scripts/mesa.sh
 
 packages=(build-essential g++ cmake ninja-build pkg-config glslang-tools libvulkan-dev libcpp-httplib-dev
-  nlohmann-json3-dev libopenimageio-dev libsqlite3-dev libassimp-dev libdraco-dev libmeshoptimizer-dev libzstd-dev libxxhash-dev zlib1g-dev libspdlog-dev libfmt-dev
+  nlohmann-json3-dev libopenimageio-dev libsqlite3-dev libassimp-dev libdraco-dev libmeshoptimizer-dev libzstd-dev libxxhash-dev libssl-dev zlib1g-dev libspdlog-dev libfmt-dev
   libcli11-dev libglm-dev libminizip-dev libseccomp-dev libgtest-dev libbenchmark-dev sweethome3d-furniture)
 # Least versions, Debian 12's: older ones are known not to do (CMake's presets; a Vulkan extension's header; C++20).
 least_versions=(cmake 3.25 libvulkan-dev 1.3.239 g++ 4:12)

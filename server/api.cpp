@@ -2,19 +2,24 @@
 #include "server/api.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
-#include <algorithm>
+#include <chrono>
 
+#include "base/log_fields.hpp"
 #include "base/numbers.hpp"
 #include "replay/measure/maps.hpp"
 #include "replay/results/limits.hpp"
 #include "replay/techniques/registry.hpp"
 #include "server/http_error.hpp"
+#include "server/request_context.hpp"
 #include "server/upload.hpp"
 #include "web/embedded.hpp"
 
 namespace subpixel::server {
 namespace {
+
+using nlohmann::json;
 
 constexpr std::uint64_t kMaxOtherBodyBytes = 1 << 20;
 
@@ -49,11 +54,6 @@ std::int64_t parse_id(const std::string& text) {
   return parse_number<std::int64_t>(text).value_or(-1);
 }
 
-void route_post(HttpServer& http, const std::string& pattern, const httplib::Server::Handler& handler) {
-  http.Post(pattern, [handler](const httplib::Request& request, httplib::Response& response,
-                               const httplib::ContentReader&) { handler(request, response); });
-}
-
 std::string read_json_body(const httplib::Request& request, const std::string& what) {
   const std::string type = request.get_header_value("Content-Type");
   if (type.substr(0, type.find(';')) != "application/json") {
@@ -69,7 +69,8 @@ Api::Api(const ServiceOptions& options, const DataFolder& folder, Store& store, 
       nights_(store),
       events_(events),
       queue_(queue),
-      names_(options.host, options.host_names) {}
+      names_(options.host, options.host_names),
+      access_(options.require_token, store) {}
 
 void Api::route(HttpServer& http) {
   using HandlerResponse = httplib::Server::HandlerResponse;
@@ -88,25 +89,25 @@ void Api::route(HttpServer& http) {
   });
   // Before any body is read: what is refused here costs no more than its header.
   http.set_pre_routing_handler([this](const Request& request, Response& response) {
+    response.set_header("X-Request-Id", Exchange::current().id());
     try {
-      check_request(request);
-      check_origin(request);
-    } catch (const HttpError& error) {
-      write_error(response, error);
+      admit(request);
+    } catch (...) {
+      write_error(response, http_error_from(std::current_exception()));
       return HandlerResponse::Handled;
     }
     return HandlerResponse::Unhandled;
   });
   http.set_expect_100_continue_handler([this](const Request& request, Response& response) {
     try {
-      check_request(request);
-      check_origin(request);
+      admit(request);
       return 100;
-    } catch (const HttpError& error) {
-      write_error(response, error);
-      return error.status();
+    } catch (...) {
+      write_error(response, http_error_from(std::current_exception()));
+      return response.status;
     }
   });
+  http.set_logger([this](const Request& request, const Response& response) { answered(request, response); });
   http.set_error_handler(httplib::Server::HandlerWithResponse([](const Request& request, Response& response) {
     if (!response.body.empty()) return HandlerResponse::Unhandled;
     const bool missing = response.status == 404;
@@ -116,21 +117,27 @@ void Api::route(HttpServer& http) {
     return HandlerResponse::Handled;
   }));
 
-  http.Get("/api/health", [this](const Request&, Response& response) { get_health(response); });
-  http.Get("/api/techniques", [](const Request&, Response& response) {
-    write_json(response, 200, {{"techniques", replay::registry_json()}});
-  });
-  http.Get("/api/limits", [](const Request&, Response& response) {
-    write_json(response, 200, {{"limits", replay::limits_json()}});
-  });
-  http.Get("/api/palettes", [](const Request&, Response& response) {
-    write_json(response, 200, {{"palettes", replay::palettes_json()}});
-  });
-  route_captures(http);
-  route_runs(http);
-  route_nights(http);
+  route_state(routes_);
+  route_access(routes_);
+  const auto table = [this](const char* what, const char* meaning, const char* schema, json (*make)()) {
+    routes_.add({.method = "GET",
+                 .path = std::string("/api/") + what,
+                 .id = std::string("get_") + what,
+                 .meaning = meaning,
+                 .answers = {{200, schema}}},
+                [what, make](const Request&, Response& response) {
+                  write_json(response, 200, {{what, make()}});
+                });
+  };
+  table("techniques", "The registry of techniques", "Techniques", &replay::registry_json);
+  table("limits", "What a run can be asked for", "Limits", &replay::limits_json);
+  table("palettes", "The colours of maps, evenly spaced points of them", "Palettes", &replay::palettes_json);
+  route_captures(routes_);
+  route_runs(routes_);
+  route_nights(routes_);
+  routes_.route_into(http);
   route_web(http);
-  route_post(http, ".*", [](const Request& request, Response& response) {
+  http.Post(".*", [](const Request& request, Response& response, const httplib::ContentReader&) {
     write_error(response, HttpError(404, "there is no such page", "nothing takes a POST here", request.path));
   });
 }
@@ -188,18 +195,35 @@ void Api::check_origin(const Request& request) const {
   }
 }
 
-void Api::get_health(Response& response) const {
-  const StoreCounts counts = store_.counts();
-  response.set_header("Cache-Control", "no-store");
-  write_json(response, 200,
-             {{"status", "ok"},
-              {"version", SUBPIXEL_VERSION},
-              {"captures", counts.captures},
-              {"runs", counts.runs},
-              {"queued", counts.queued},
-              {"running", counts.running},
-              {"upload_limit_bytes", options_.upload_limit_bytes},
-              {"free_bytes", folder_.free_bytes()}});
+// Of the table; what is not in it and is none of the viewer's files is read or changed by those who may do all of that.
+void Api::admit(const Request& request) {
+  RequestContext& context = request_context();
+  context = {
+      .begun = std::chrono::steady_clock::now(), .route = routes_.find(request.method, request.path), .caller = {}};
+  check_request(request);
+  check_origin(request);
+  Right needed = is_reading(request) ? Right::read : Right::admin;
+  if (context.route != nullptr) {
+    needed = context.route->right;
+  } else if (is_reading(request) && !request.path.starts_with("/api/")) {
+    needed = Right::none;
+  }
+  context.caller = access_.admit(request, needed);
+}
+
+void Api::answered(const Request& request, const Response& response) {
+  const Exchange& exchange = Exchange::current();
+  if (exchange.waits_for_body()) return;  // it will be answered again
+  const RequestContext& context = request_context();
+  const std::string operation = context.route != nullptr ? context.route->id : "other";
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - context.begun;
+  metrics_.count(operation, response.status, time.count(), exchange.body_bytes());
+  if (!options_.log_requests) return;
+  const LogField method("method", request.method), path("path", request.path), what("operation", operation);
+  const LogField status("status", std::to_string(response.status)),
+      ms("ms", fmt::format("{:.1f}", 1000 * time.count()));
+  const LogField caller("caller", context.caller ? context.caller->name : "");
+  spdlog::info("answered {} {} with {}", request.method, request.path, response.status);
 }
 
 void Api::route_web(HttpServer& http) {

@@ -1,6 +1,7 @@
 // Captures and blobs over HTTP.
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 #include "server/byte_range.hpp"
 #include "server/capture_inspection.hpp"
 #include "server/http_error.hpp"
+#include "server/request_context.hpp"
 #include "server/run_request.hpp"
 #include "server/upload.hpp"
 
@@ -40,6 +42,36 @@ nlohmann::json capture_json(const CaptureRecord& capture) {
           {"thumbnail", capture.thumbnail ? nlohmann::json(*capture.thumbnail) : nlohmann::json(nullptr)}};
 }
 
+// What an upload takes of its sender's quota, given back unless it is kept. Throws HttpError 413 when it would be
+// above.
+class QuotaCharge {
+ public:
+  QuotaCharge(TokenStore& tokens, const std::optional<TokenRecord>& caller, std::uint64_t bytes)
+      : tokens_(tokens), token_(caller ? caller->id : 0), bytes_(bytes) {
+    if (token_ != 0 && !tokens_.charge(token_, bytes_)) {
+      throw HttpError(413, "the capture is not stored",
+                      fmt::format("with its {} bytes the token's quota would be exceeded", bytes),
+                      "header Authorization");
+    }
+  }
+  ~QuotaCharge() {
+    if (token_ == 0) return;
+    try {
+      tokens_.refund(token_, bytes_);
+    } catch (const std::exception& error) {
+      spdlog::error("{} bytes stay counted against token {}: {}", bytes_, token_, error.what());
+    }
+  }
+  QuotaCharge(const QuotaCharge&) = delete;
+  QuotaCharge& operator=(const QuotaCharge&) = delete;
+  void keep() { token_ = 0; }
+
+ private:
+  TokenStore& tokens_;
+  std::int64_t token_;
+  std::uint64_t bytes_;
+};
+
 HttpError no_capture(const std::string& hash) {
   return {404, "there is no such capture", "none has this hash", hash};
 }
@@ -53,35 +85,79 @@ std::string display_name(const std::string& given) {
 
 }  // namespace
 
-void Api::route_captures(HttpServer& http) {
-  route_post(http, "/api/captures",
-             [this](const Request& request, Response& response) { post_capture(request, response); });
-  http.Get("/api/captures", [this](const Request& request, Response& response) {
-    const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListedCaptures, 100));
-    const auto offset = static_cast<std::uint64_t>(query_number(request, "offset", 0, INT64_MAX, 0));
-    nlohmann::json list = nlohmann::json::array();
-    for (const CaptureRecord& capture : store_.captures(limit, offset)) list.push_back(capture_json(capture));
-    response.set_header("Cache-Control", "no-store");
-    write_json(response, 200, {{"captures", list}, {"total", store_.counts().captures}});
-  });
-  http.Get("/api/captures/([0-9a-f]{32})", [this](const Request& request, Response& response) {
-    const std::string hash = request.matches[1];
-    const std::optional<CaptureRecord> capture = store_.capture(hash);
-    if (!capture) throw no_capture(hash);
-    nlohmann::json document = capture_json(*capture);
-    document["summary"] = capture->summary;
-    response.set_header("Cache-Control", "no-store");
-    write_json(response, 200, document);
-  });
-  http.Get("/api/captures/([0-9a-f]{32})/file", [this](const Request& request, Response& response) {
-    send_capture_file(request, request.matches[1], response);
-  });
-  route_post(http, "/api/captures/([0-9a-f]{32})/tags",
+void Api::route_captures(Routes& routes) {
+  routes.add(
+      {.method = "POST",
+       .path = "/api/captures",
+       .id = "upload_capture",
+       .meaning = "Stores the body, an .spcap file, or the capture it makes of a .glb, .zip or .rdc",
+       .right = Right::submit,
+       .answers =
+           {{201, "UploadedCapture"}, {200, "UploadedCapture"}, {409, ""}, {413, ""}, {415, ""}, {422, ""}, {503, ""}},
+       .query = {{"name", R"({"type":"string"})", "the file's name"}},
+       .body = "application/octet-stream"},
+      [this](const Request& request, Response& response) { post_capture(request, response); });
+  routes.add({.method = "GET",
+              .path = "/api/captures",
+              .id = "list_captures",
+              .meaning = "Captures, newest first",
+              .answers = {{200, "CaptureList"}, {400, ""}},
+              .query = {{"limit", R"({"type":"integer","minimum":1,"maximum":500,"default":100})", "at most so many"},
+                        {"offset", R"({"type":"integer","minimum":0,"default":0})", "after so many"}}},
+             [this](const Request& request, Response& response) { list_captures(request, response); });
+  routes.add({.method = "GET",
+              .path = "/api/captures/{hash}",
+              .id = "get_capture",
+              .meaning = "One capture with its summary",
+              .answers = {{200, "CaptureWithSummary"}, {404, ""}}},
+             [this](const Request& request, Response& response) { get_capture(request.matches[1], response); });
+  routes.add(
+      {.method = "GET",
+       .path = "/api/captures/{hash}/file",
+       .id = "download_capture",
+       .meaning = "The file, or with Range a part of it",
+       .answers =
+           {{200, "application/octet-stream"}, {206, "application/octet-stream"}, {304, ""}, {404, ""}, {416, ""}}},
+      [this](const Request& request, Response& response) { send_capture_file(request, request.matches[1], response); });
+  routes.add({.method = "POST",
+              .path = "/api/captures/{hash}/tags",
+              .id = "set_tags",
+              .meaning = "Replaces its tags",
+              .right = Right::submit,
+              .answers = {{200, "Capture"}, {400, ""}, {404, ""}, {415, ""}},
+              .body = "Tags"},
              [this](const Request& request, Response& response) { post_tags(request.matches[1], request, response); });
-  http.Delete("/api/captures/([0-9a-f]{32})",
-              [this](const Request& request, Response& response) { delete_capture(request.matches[1], response); });
-  http.Get("/api/blobs/([0-9a-f]{32})",
-           [this](const Request& request, Response& response) { send_blob(request, request.matches[1], response); });
+  routes.add({.method = "DELETE",
+              .path = "/api/captures/{hash}",
+              .id = "delete_capture",
+              .meaning = "Deletes it with its runs",
+              .right = Right::admin,
+              .answers = {{204, ""}, {404, ""}, {409, ""}}},
+             [this](const Request& request, Response& response) { delete_capture(request.matches[1], response); });
+  routes.add({.method = "GET",
+              .path = "/api/blobs/{hash}",
+              .id = "download_blob",
+              .meaning = "An image or map, or with Range a part of it",
+              .answers = {{200, "image/*"}, {206, "image/*"}, {304, ""}, {404, ""}, {416, ""}}},
+             [this](const Request& request, Response& response) { send_blob(request, request.matches[1], response); });
+}
+
+void Api::list_captures(const Request& request, Response& response) const {
+  const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxListedCaptures, 100));
+  const auto offset = static_cast<std::uint64_t>(query_number(request, "offset", 0, INT64_MAX, 0));
+  nlohmann::json list = nlohmann::json::array();
+  for (const CaptureRecord& capture : store_.captures(limit, offset)) list.push_back(capture_json(capture));
+  response.set_header("Cache-Control", "no-store");
+  write_json(response, 200, {{"captures", list}, {"total", store_.counts().captures}});
+}
+
+void Api::get_capture(const std::string& hash, Response& response) const {
+  const std::optional<CaptureRecord> capture = store_.capture(hash);
+  if (!capture) throw no_capture(hash);
+  nlohmann::json document = capture_json(*capture);
+  document["summary"] = capture->summary;
+  response.set_header("Cache-Control", "no-store");
+  write_json(response, 200, document);
 }
 
 std::unique_ptr<CaptureImport> Api::import_upload(const Upload& upload, const std::string& kind,
@@ -117,6 +193,8 @@ void Api::post_capture(const Request& request, Response& response) {
   if (!capture) inspected = inspect_capture(file, options_.worker, stop_.get_token());
 
   const std::lock_guard lock(captures_mutex_);
+  std::optional<QuotaCharge> charge;  // before the file takes room
+  if (!capture) charge.emplace(access_.tokens(), request_context().caller, std::filesystem::file_size(file));
   if (keep_capture(folder_, file, hash) == Kept::collision) {
     throw HttpError(409, "the capture can't be stored", "another one has its content hash", hash);
   }
@@ -127,6 +205,9 @@ void Api::post_capture(const Request& request, Response& response) {
     inspected.size_bytes = std::filesystem::file_size(file);
     inspected.uploaded_utc = utc_now();
     added = store_.add_capture(inspected);
+    if (added) charge->keep();
+    // Upkeep in another process deletes files that no row names, by now no longer this one.
+    if (!std::filesystem::exists(folder_.capture(hash))) keep_capture(folder_, file, hash);
     if (added && inspected.frame_count > 0 && store_.add_run(RunKind::thumbnail, hash, thumbnail_options(), 1)) {
       queue_.notify();
     }

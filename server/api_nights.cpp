@@ -4,9 +4,11 @@
 #include <algorithm>
 
 #include "base/json_document.hpp"
+#include "base/printable.hpp"
 #include "server/api.hpp"
 #include "server/http_error.hpp"
 #include "server/nightly/summaries.hpp"
+#include "server/request_context.hpp"
 
 namespace subpixel::server {
 namespace {
@@ -14,6 +16,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::int64_t kMaxListedNights = 200;
+constexpr std::size_t kMaxReasonBytes = 500;
 
 // A night in the list: how it ended, without what it measured.
 json short_json(const NightRecord& night) {
@@ -56,36 +59,90 @@ json frames_json(const NightCell* tonight, const NightCell* baseline) {
   return list;
 }
 
+json approvals_json(const std::vector<BaselineRecord>& approvals) {
+  json list = json::array();
+  for (const BaselineRecord& each : approvals) {
+    list.push_back(
+        {{"name", each.name}, {"night", each.night}, {"set_utc", each.set_utc}, {"who", each.who}, {"why", each.why}});
+  }
+  return list;
+}
+
 }  // namespace
 
-void Api::route_nights(HttpServer& http) {
-  http.Get("/api/nights", [this](const Request& request, Response& response) { list_nights(request, response); });
-  http.Get("/api/nights/([0-9]{1,18})", [this](const Request& request, Response& response) {
-    response.set_header("Cache-Control", "no-store");
-    write_json(response, 200, to_json(find_night(request.matches[1])));
-  });
-  http.Get("/api/nights/([0-9]{1,18})/summary\\.(md|xml)", [this](const Request& request, Response& response) {
-    const NightRecord night = find_night(request.matches[1]);
-    const bool markdown = request.matches[2] == "md";
-    response.set_header("Cache-Control", "no-store");
-    response.set_header("Content-Disposition",
-                        fmt::format("inline; filename=\"night-{}.{}\"", night.id, request.matches[2].str()));
-    if (markdown) return response.set_content(to_markdown(night), "text/markdown; charset=utf-8");
-    response.set_content(to_junit(night), "application/xml; charset=utf-8");
-  });
-  http.Get("/api/nights/([0-9]{1,18})/cells/([0-9]{1,18})", [this](const Request& request, Response& response) {
-    send_cell(find_night(request.matches[1]), parse_id(request.matches[2]), response);
-  });
-  http.Get("/api/baselines", [this](const Request&, Response& response) {
-    json list = json::array();
-    for (const BaselineRecord& baseline : nights_.baselines()) {
-      list.push_back({{"name", baseline.name}, {"night", baseline.night}, {"set_utc", baseline.set_utc}});
-    }
-    response.set_header("Cache-Control", "no-store");
-    write_json(response, 200, {{"baselines", list}});
-  });
-  route_post(http, "/api/baselines",
+void Api::route_nights(Routes& routes) {
+  routes.add({.method = "GET",
+              .path = "/api/nights",
+              .id = "list_nights",
+              .meaning = "Nights, newest first",
+              .answers = {{200, "NightList"}, {400, ""}},
+              .query = {{"limit", R"({"type":"integer","minimum":1,"maximum":200,"default":30})", "at most so many"},
+                        {"before", R"({"type":"integer","minimum":1})", "with numbers below this"},
+                        {"name", R"({"type":"string"})", "of this name"}}},
+             [this](const Request& request, Response& response) { list_nights(request, response); });
+  routes.add({.method = "GET",
+              .path = "/api/nights/{night}",
+              .id = "get_night",
+              .meaning = "One night with its cells",
+              .answers = {{200, "NightWithCells"}, {404, ""}}},
+             [this](const Request& request, Response& response) {
+               response.set_header("Cache-Control", "no-store");
+               write_json(response, 200, to_json(find_night(request.matches[1])));
+             });
+  for (const bool markdown : {true, false}) {
+    routes.add({.method = "GET",
+                .path = markdown ? "/api/nights/{night}/summary.md" : "/api/nights/{night}/summary.xml",
+                .id = markdown ? "get_night_markdown" : "get_night_junit",
+                .meaning = markdown ? "Its summary" : "Its summary as JUnit XML",
+                .answers = {{200, markdown ? "text/markdown" : "application/xml"}, {404, ""}}},
+               [this, markdown](const Request& request, Response& response) {
+                 send_summary(find_night(request.matches[1]), markdown, response);
+               });
+  }
+  routes.add({.method = "GET",
+              .path = "/api/nights/{night}/cells/{cell}",
+              .id = "get_cell",
+              .meaning = "A cell with its frames beside the baseline's",
+              .answers = {{200, "Cell"}, {404, ""}}},
+             [this](const Request& request, Response& response) {
+               send_cell(find_night(request.matches[1]), parse_id(request.matches[2]), response);
+             });
+  routes.add({.method = "GET",
+              .path = "/api/baselines",
+              .id = "list_baselines",
+              .meaning = "Approved nights",
+              .answers = {{200, "BaselineList"}}},
+             [this](const Request&, Response& response) {
+               response.set_header("Cache-Control", "no-store");
+               write_json(response, 200, {{"baselines", approvals_json(nights_.baselines())}});
+             });
+  routes.add(
+      {.method = "GET",
+       .path = "/api/approvals",
+       .id = "list_approvals",
+       .meaning = "Every approval there was, newest first",
+       .answers = {{200, "ApprovalList"}},
+       .query = {{"name", R"({"type":"string"})", "of this baseline"}}},
+      [this](const Request& request, Response& response) {
+        response.set_header("Cache-Control", "no-store");
+        write_json(response, 200, {{"approvals", approvals_json(nights_.approvals(request.get_param_value("name")))}});
+      });
+  routes.add({.method = "POST",
+              .path = "/api/baselines",
+              .id = "approve_night",
+              .meaning = "Approves a finished night",
+              .right = Right::approve,
+              .answers = {{200, "Approved"}, {400, ""}, {404, ""}, {415, ""}},
+              .body = "Approval"},
              [this](const Request& request, Response& response) { post_baseline(request, response); });
+}
+
+void Api::send_summary(const NightRecord& night, bool markdown, Response& response) const {
+  response.set_header("Cache-Control", "no-store");
+  response.set_header("Content-Disposition",
+                      fmt::format("inline; filename=\"night-{}.{}\"", night.id, markdown ? "md" : "xml"));
+  if (markdown) return response.set_content(to_markdown(night), "text/markdown; charset=utf-8");
+  response.set_content(to_junit(night), "application/xml; charset=utf-8");
 }
 
 NightRecord Api::find_night(const std::string& id) const {
@@ -136,11 +193,16 @@ void Api::post_baseline(const Request& request, Response& response) {
   const std::string what = "baseline";
   const json document = parse_json_document(read_json_body(request, "the baseline"), what, "the body");
   const JsonField top(document, what);
-  check_names(top, {"name", "night"}, what, "top level");
+  check_names(top, {"name", "night", "why"}, what, "top level");
   const std::string name = top.member("name").text();
   if (name.empty() || name.size() > 100) top.member("name").fail("expected a name of 1 to 100 bytes");
   const std::uint32_t night = top.member("night").u32();
-  if (!nights_.set_baseline(name, night)) {
+  const std::string why = top.has("why") ? top.member("why").text() : "";
+  if (why.size() > kMaxReasonBytes || printable(why) != why) {
+    top.member("why").fail(fmt::format("expected at most {} printable bytes", kMaxReasonBytes));
+  }
+  const std::optional<TokenRecord>& caller = request_context().caller;
+  if (!nights_.set_baseline(name, night, caller ? caller->name : "", why)) {
     throw HttpError(404, "there is no such night", "none that has ended has this number", std::to_string(night));
   }
   write_json(response, 200, {{"name", name}, {"night", night}});

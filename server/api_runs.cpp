@@ -62,42 +62,114 @@ std::optional<double> query_amount(const httplib::Request& request, const std::s
 
 }  // namespace
 
-void Api::route_runs(HttpServer& http) {
-  route_post(http, "/api/runs", [this](const Request& request, Response& response) { post_run(request, response); });
-  http.Get("/api/runs", [this](const Request& request, Response& response) { list_runs(request, response); });
-  http.Get("/api/runs/([0-9]{1,18})", [this](const Request& request, Response& response) {
-    response.set_header("Cache-Control", "no-store");
-    write_json(response, 200, run_json(find_run(request.matches[1])));
-  });
-  http.Delete("/api/runs/([0-9]{1,18})", [this](const Request& request, Response& response) {
-    const std::string id = request.matches[1];
-    const Store::Deletion deletion = store_.delete_run(find_run(id).id);
-    if (deletion == Store::Deletion::in_use) {
-      throw HttpError(409, "the run can't be deleted", "it is queued or running; cancel it first", id);
-    }
-    response.status = 204;
-  });
-  route_post(http, "/api/runs/([0-9]{1,18})/cancel", [this](const Request& request, Response& response) {
-    cancel_run(find_run(request.matches[1]).id, response);
-  });
-  http.Get("/api/runs/([0-9]{1,18})/events", [this](const Request& request, Response& response) {
-    send_events(find_run(request.matches[1]).id, request, response);
-  });
-  http.Get("/api/runs/([0-9]{1,18})/results\\.(json|csv)", [this](const Request& request, Response& response) {
-    const RunRecord run = find_run(request.matches[1]);
-    json document = {{"head", run.head ? *run.head : replay::to_json(replay::ResultsHead{})},
-                     {"results", json::array()}};
-    for (StoredResult& result : store_.results(run.id)) document["results"].push_back(std::move(result.document));
-    response.set_header("Cache-Control", "no-store");
-    response.set_header("Content-Disposition",
-                        fmt::format("inline; filename=\"run-{}-results.{}\"", run.id, request.matches[2].str()));
-    if (request.matches[2] == "json") return write_json(response, 200, document);
-    response.set_content(replay::to_csv(replay::results_from_json(document)), "text/csv; charset=utf-8");
-  });
-  http.Get("/api/runs/([0-9]{1,18})/(plot\\.svg|points\\.csv|points\\.md)",
-           [this](const Request& request, Response& response) { send_plots(request, response); });
-  http.Get("/api/runs/([0-9]{1,18})/advice",
-           [this](const Request& request, Response& response) { send_advice(request, response); });
+void Api::route_runs(Routes& routes) {
+  routes.add({.method = "POST",
+              .path = "/api/runs",
+              .id = "start_run",
+              .meaning = "Starts a run",
+              .right = Right::submit,
+              .answers = {{201, "Run"}, {200, "Run"}, {400, ""}, {404, ""}, {415, ""}},
+              .query = {{"once", R"({"type":"integer","enum":[0,1],"default":0})",
+                         "1: answer with an equal run that is queued, running or done"}},
+              .body = "RunRequest"},
+             [this](const Request& request, Response& response) { post_run(request, response); });
+  routes.add({.method = "GET",
+              .path = "/api/runs",
+              .id = "list_runs",
+              .meaning = "Runs, newest first",
+              .answers = {{200, "RunList"}, {400, ""}},
+              .query = {{"limit", R"({"type":"integer","minimum":1,"maximum":200,"default":50})", "at most so many"},
+                        {"before", R"({"type":"integer","minimum":1})", "with numbers below this"},
+                        {"capture", R"({"type":"string"})", "of this capture"}}},
+             [this](const Request& request, Response& response) { list_runs(request, response); });
+  routes.add({.method = "GET",
+              .path = "/api/runs/{run}",
+              .id = "get_run",
+              .meaning = "One run",
+              .answers = {{200, "Run"}, {404, ""}}},
+             [this](const Request& request, Response& response) {
+               response.set_header("Cache-Control", "no-store");
+               write_json(response, 200, run_json(find_run(request.matches[1])));
+             });
+  routes.add({.method = "DELETE",
+              .path = "/api/runs/{run}",
+              .id = "delete_run",
+              .meaning = "Deletes it with its results",
+              .right = Right::admin,
+              .answers = {{204, ""}, {404, ""}, {409, ""}}},
+             [this](const Request& request, Response& response) {
+               const std::string id = request.matches[1];
+               if (store_.delete_run(find_run(id).id) == Store::Deletion::in_use) {
+                 throw HttpError(409, "the run can't be deleted", "it is queued or running; cancel it first", id);
+               }
+               response.status = 204;
+             });
+  routes.add(
+      {.method = "POST",
+       .path = "/api/runs/{run}/cancel",
+       .id = "cancel_run",
+       .meaning = "Cancels it",
+       .right = Right::submit,
+       .answers = {{202, "Run"}, {404, ""}, {409, ""}}},
+      [this](const Request& request, Response& response) { cancel_run(find_run(request.matches[1]).id, response); });
+  routes.add({.method = "GET",
+              .path = "/api/runs/{run}/events",
+              .id = "follow_run",
+              .meaning = "Progress as server-sent events",
+              .answers = {{200, "text/event-stream"}, {400, ""}, {404, ""}, {503, ""}},
+              .query = {{"after", R"({"type":"integer","minimum":0})", "results after this one, as Last-Event-ID"}}},
+             [this](const Request& request, Response& response) {
+               send_events(find_run(request.matches[1]).id, request, response);
+             });
+  for (const bool as_csv : {false, true}) {
+    routes.add({.method = "GET",
+                .path = as_csv ? "/api/runs/{run}/results.csv" : "/api/runs/{run}/results.json",
+                .id = as_csv ? "get_results_csv" : "get_results",
+                .meaning = "What is measured so far",
+                .answers = {{200, as_csv ? "text/csv" : "Results"}, {404, ""}}},
+               [this, as_csv](const Request& request, Response& response) {
+                 send_results(find_run(request.matches[1]), as_csv, response);
+               });
+  }
+  const QueryMember cost{"cost", R"({"type":"string","enum":["time","ratio","memory"],"default":"time"})", "across"};
+  const QueryMember error{"error", R"({"type":"string","enum":["mse","flip"],"default":"mse"})", "up"};
+  struct Plot {
+    const char *file, *id, *meaning, *media_type;
+    std::vector<QueryMember> query;
+  };
+  for (const Plot& plot : {Plot{"plot.svg", "get_plot", "Cost against error", "image/svg+xml", {cost, error}},
+                           Plot{"points.csv", "get_points_csv", "The plots' points", "text/csv", {}},
+                           Plot{"points.md", "get_points_markdown", "The plots' points", "text/markdown", {}}}) {
+    std::vector<Answer> answers{{200, plot.media_type}, {404, ""}};
+    if (!plot.query.empty()) answers.push_back({400, ""});
+    routes.add({.method = "GET",
+                .path = std::string("/api/runs/{run}/") + plot.file,
+                .id = plot.id,
+                .meaning = plot.meaning,
+                .answers = answers,
+                .query = plot.query},
+               [this, kind = std::string(plot.file)](const Request& request, Response& response) {
+                 send_plots(request, kind, response);
+               });
+  }
+  routes.add({.method = "GET",
+              .path = "/api/runs/{run}/advice",
+              .id = "get_advice",
+              .meaning = "The cheapest settings within a budget",
+              .answers = {{200, "Advice"}, {400, ""}, {404, ""}},
+              .query = {{"max_flip", R"({"type":"number","minimum":0})", "largest mean FLIP"},
+                        {"max_mse", R"({"type":"number","minimum":0})", "largest MSE"}}},
+             [this](const Request& request, Response& response) { send_advice(request, response); });
+}
+
+void Api::send_results(const RunRecord& run, bool as_csv, Response& response) const {
+  json document = {{"head", run.head ? *run.head : replay::to_json(replay::ResultsHead{})}, {"results", json::array()}};
+  for (StoredResult& result : store_.results(run.id)) document["results"].push_back(std::move(result.document));
+  response.set_header("Cache-Control", "no-store");
+  response.set_header("Content-Disposition",
+                      fmt::format("inline; filename=\"run-{}-results.{}\"", run.id, as_csv ? "csv" : "json"));
+  if (!as_csv) return write_json(response, 200, document);
+  response.set_content(replay::to_csv(replay::results_from_json(document)), "text/csv; charset=utf-8");
 }
 
 replay::Results Api::measured(const RunRecord& run) const {
@@ -109,9 +181,8 @@ replay::Results Api::measured(const RunRecord& run) const {
   return results;
 }
 
-void Api::send_plots(const Request& request, Response& response) const {
+void Api::send_plots(const Request& request, const std::string& kind, Response& response) const {
   const RunRecord run = find_run(request.matches[1]);
-  const std::string kind = request.matches[2];
   const std::vector<replay::Summary> summaries = replay::summarise(measured(run));
   response.set_header("Cache-Control", "no-store");
   const auto name_file = [&](const std::string& name) {
@@ -194,7 +265,8 @@ void Api::post_run(const Request& request, Response& response) {
       return write_json(response, 200, run_json(*equal));
     }
   }
-  wanted.place.submitter = request.remote_addr;
+  const std::optional<TokenRecord>& caller = request_context().caller;
+  wanted.place.submitter = caller ? caller->name : request.remote_addr;
   const std::optional<std::int64_t> id =
       store_.add_run(RunKind::run, capture->hash, wanted.options, expected, wanted.place);
   if (!id) throw HttpError(404, "there is no such capture", "it was deleted meanwhile", "capture");

@@ -41,8 +41,21 @@ HttpError http_error_from(const std::exception_ptr& exception) {
     return split_message(400, error.what());
   } catch (const SqliteError& error) {
     spdlog::error("store: {}", error.what());
-    if (error.disk_full()) return {507, "can't store this", "the disk is full", "data folder"};
-    return {500, "internal error", "the store failed; see the service's log", ""};
+    switch (error.cause()) {
+      case SqliteError::Cause::disk_full:
+        return {507, "can't store this", "the disk is full", "data folder"};
+      case SqliteError::Cause::read_only:
+        return {507, "can't store this", "the disk or the store can only be read", "data folder"};
+      case SqliteError::Cause::busy:
+        return {503, "the store is not free", "another process has held it for too long; try again", "data folder"};
+      case SqliteError::Cause::damaged:
+        return {500, "the store is damaged", "see subpixel store check", "data folder"};
+      case SqliteError::Cause::disk:
+        return {500, "the store can't be used", "the disk failed; see the service's log", "data folder"};
+      case SqliteError::Cause::ours:
+        break;
+    }
+    return {500, "internal error", "the store failed; please report it with what the service's log says", ""};
   } catch (const std::exception& error) {
     spdlog::error("request: {}", error.what());
   } catch (...) {

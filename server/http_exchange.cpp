@@ -4,7 +4,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
+#include <random>
 
 #include "server/http_error.hpp"
 
@@ -14,11 +16,19 @@ namespace {
 // The library hands a handler nothing of ours, but it calls it on the thread that it was called on.
 thread_local Exchange* current_exchange = nullptr;
 
+// Of no other request, also of an earlier process.
+std::string new_id() {
+  static const std::uint32_t process = std::random_device{}();
+  static std::atomic<std::uint64_t> number{0};
+  return fmt::format("{:08x}-{}", process, ++number);
+}
+
 }  // namespace
 
 Exchange::Exchange(std::string header, Peer peer, bool last_of_connection, const OpenBody& open_body,
                    const std::filesystem::path& spill_folder)
-    : header_(std::move(header)),
+    : id_(new_id()),
+      header_(std::move(header)),
       peer_(std::move(peer)),
       last_of_connection_(last_of_connection),
       open_body_(open_body),

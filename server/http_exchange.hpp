@@ -44,6 +44,9 @@ class Exchange final : public httplib::Stream {
   // The request's body. Throws HttpError when it ended early. As long as it has still to come, this ends the handler:
   // it is called once more when the body is there, and must not have changed anything before.
   Upload& body();
+  // Tells it from others in the log and in the answer.
+  const std::string& id() const { return id_; }
+  std::uint64_t body_bytes() const { return body_length_; }
   // What follows the answer's header. To be called by a content provider, which returns false then: so the library's
   // part has ended.
   void send_file(std::shared_ptr<const OpenFile> file, std::uint64_t first, std::uint64_t length);
@@ -52,6 +55,8 @@ class Exchange final : public httplib::Stream {
   // For the server. ---------------------------------------------------------------------------
   // Runs `process`, the library, over the request, from its beginning.
   void run(const std::function<bool(bool last_of_connection, bool& closed)>& process);
+  // The one a proxy gave it.
+  void set_id(std::string id) { id_ = std::move(id); }
   // The library has read the header: what it says.
   void frame(std::uint64_t body_length, bool expects_continue, bool last);
   bool body_has_come() const { return body_ && body_->size_bytes() == body_length_; }
@@ -77,6 +82,7 @@ class Exchange final : public httplib::Stream {
   socket_t socket() const override { return INVALID_SOCKET; }
 
  private:
+  std::string id_;
   std::string header_;
   Peer peer_;
   bool last_of_connection_;

@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <optional>
 #include <string_view>
 #include <utility>
 
+#include "base/log_fields.hpp"
 #include "base/numbers.hpp"
 
 namespace subpixel::server {
@@ -43,6 +45,14 @@ void take_absolute_form(httplib::Request& request) {
   request.target = rest;
 }
 
+// Nothing that could break a line of the log.
+bool is_id(std::string_view text) {
+  constexpr std::size_t kMaxBytes = 64;
+  return !text.empty() && text.size() <= kMaxBytes && std::ranges::all_of(text, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+  });
+}
+
 }  // namespace
 
 HttpServer::HttpServer(const HttpLimits& limits, std::filesystem::path spill_folder)
@@ -69,10 +79,15 @@ void HttpServer::serve(OpenBody open_body, NewsSource news, std::string heartbea
 }
 
 void HttpServer::answer(Exchange& exchange) {
+  const LogField request("request", exchange.id());
   exchange.run([&](bool last_of_connection, bool& closed) {
     return process_request(exchange, last_of_connection, closed, [&](httplib::Request& parsed) {
       const std::optional<std::uint64_t> length = declared_length(parsed);
       const bool expects_continue = parsed.get_header_value("Expect") == "100-continue";
+      if (const std::string given = parsed.get_header_value("X-Request-Id"); is_id(given)) {
+        exchange.set_id(given);
+        log_fields().back().second = given;
+      }
       if (exchange.body_has_come()) parsed.headers.erase("Expect");
       parsed.ranges.clear();  // the library's own are not bounded in number; choose_bytes() reads the header itself
       take_absolute_form(parsed);

@@ -18,6 +18,8 @@ struct ServiceOptions {
   int port = 8080;  // 0: any free one
   // Names other than IP addresses and localhost by which clients may call the service (see check_origin in api.cpp).
   std::vector<std::string> host_names;
+  bool require_token = false;  // for everything but the viewer's files (server/routes.hpp has what needs which right)
+  bool log_requests = false;
   std::uint64_t upload_limit_bytes = std::uint64_t{4} << 30;
   std::uint64_t reserved_bytes = std::uint64_t{64} << 20;  // free space an upload must leave, so that results still fit
   WorkerOptions worker;

@@ -1,5 +1,5 @@
 // Chooses the page by the address's fragment and shows how the service is.
-import {get} from './api.js';
+import {get, post} from './api.js';
 import {capturePage} from './capture_page.js';
 import {capturesPage} from './captures_page.js';
 import {h, replace} from './dom.js';
@@ -7,6 +7,7 @@ import {nightPage} from './night_page.js';
 import {nightsPage} from './nights_page.js';
 import {runPage} from './run_page.js';
 import {runsPage} from './runs_page.js';
+import {signInPage} from './sign_in_page.js';
 
 const routes = [
   [/^#?\/?$/, () => capturesPage(), 'captures'],
@@ -37,7 +38,7 @@ async function show() {
   try {
     page = route ? await route[1](...hash.match(route[0]).slice(1)) : notFound();
   } catch (error) {
-    page = {element: problem(error), title: 'Problem'};
+    page = error.status === 401 ? signInPage(() => { show(); showState(); showCaller(); }) : {element: problem(error), title: 'Problem'};
   }
   if (mine !== turn) return page.close?.();  // the user is elsewhere already
   current = page;
@@ -66,6 +67,22 @@ async function showState() {
   }
 }
 
+/** Who is signed in, where the service wants that, with the way out. */
+async function showCaller() {
+  const button = document.getElementById('sign-out');
+  const caller = await get('/api/caller').catch(() => ({}));
+  button.hidden = !caller.token_required;
+  button.textContent = `Sign out ${caller.name ?? ''}`;
+}
+
+function setUpSignOut() {
+  document.getElementById('sign-out').addEventListener('click', async () => {
+    await post('/api/sign-out').catch(() => {});
+    await showCaller();
+    show();
+  });
+}
+
 function setUpTheme() {
   const stored = localStorage.getItem('theme');
   if (stored) document.documentElement.dataset.theme = stored;
@@ -79,6 +96,8 @@ function setUpTheme() {
 }
 
 setUpTheme();
+setUpSignOut();
+showCaller();
 addEventListener('hashchange', show);
 show();
 showState();

@@ -61,9 +61,10 @@ class NightPage {
     if (status === 'running' || status === 'interrupted') return replace(this.#approval);
     if (holder?.night === id) return replace(this.#approval, h('span.label', {}, `baseline ${baseline}`));
     replace(this.#approval, h('button', {type: 'button', onclick: async () => {
-      if (!confirm(`Approve night ${id}? Later nights are then compared with it.`)) return;
+      const why = prompt(`Approve night ${id}? Later nights are then compared with it. Why is it right:`);
+      if (why === null) return;
       try {
-        await post('/api/baselines', {name: baseline, night: id});
+        await post('/api/baselines', {name: baseline, night: id, why: why.trim()});
         this.#baselines = (await get('/api/baselines')).baselines;
         announce(`Night ${id} is the baseline ${baseline}`);
       } catch (error) {

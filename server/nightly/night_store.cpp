@@ -259,8 +259,9 @@ std::vector<NightRecord> NightStore::nights(std::uint32_t limit, std::int64_t be
   return nights;
 }
 
-bool NightStore::set_baseline(std::string_view name, std::int64_t night) {
+bool NightStore::set_baseline(std::string_view name, std::int64_t night, std::string_view who, std::string_view why) {
   const Store::WriteLease writer = store_.write();
+  Transaction transaction(writer.connection());
   const std::string now = utc_now();
   Statement(writer.connection(),
             "INSERT INTO baselines (name, night, set_utc) SELECT ?, id, ? FROM nights WHERE id = ? AND status IN "
@@ -269,21 +270,52 @@ bool NightStore::set_baseline(std::string_view name, std::int64_t night) {
       .bind(now)
       .bind(night)
       .run();
-  return writer.connection().changes() > 0;
+  if (writer.connection().changes() == 0) return false;
+  Statement(writer.connection(), "INSERT INTO approvals (baseline, night, who, why, set_utc) VALUES (?, ?, ?, ?, ?)")
+      .bind(name)
+      .bind(night)
+      .bind(who)
+      .bind(why)
+      .bind(now)
+      .run();
+  transaction.commit();
+  return true;
 }
 
-std::vector<BaselineRecord> NightStore::baselines() const {
-  const Store::ReadLease reader = store_.read();
-  Statement select(reader.connection(), "SELECT name, night, set_utc FROM baselines ORDER BY name");
+namespace {
+
+std::vector<BaselineRecord> read_baselines(Statement& select) {
   std::vector<BaselineRecord> baselines;
   while (select.step()) {
     BaselineRecord baseline;
     baseline.name = select.text();
     baseline.night = select.integer();
     baseline.set_utc = select.text();
+    baseline.who = select.text();
+    baseline.why = select.text();
     baselines.push_back(std::move(baseline));
   }
   return baselines;
+}
+
+}  // namespace
+
+std::vector<BaselineRecord> NightStore::baselines() const {
+  const Store::ReadLease reader = store_.read();
+  Statement select(reader.connection(),
+                   "SELECT b.name, b.night, b.set_utc, a.who, a.why FROM baselines b LEFT JOIN approvals a ON a.id = "
+                   "(SELECT max(id) FROM approvals WHERE baseline = b.name) ORDER BY b.name");
+  return read_baselines(select);
+}
+
+std::vector<BaselineRecord> NightStore::approvals(std::string_view name) const {
+  const Store::ReadLease reader = store_.read();
+  Statement select(
+      reader.connection(),
+      "SELECT baseline, night, set_utc, who, why FROM approvals WHERE ?1 = '' OR baseline = ?1 ORDER BY id "
+      "DESC");
+  select.bind(name);
+  return read_baselines(select);
 }
 
 }  // namespace subpixel::server

@@ -19,6 +19,7 @@ struct BaselineRecord {
   std::string name;
   std::int64_t night = 0;
   std::string set_utc;
+  std::string who, why;  // empty where it was not said
 };
 
 class NightStore {
@@ -49,8 +50,10 @@ class NightStore {
   // Newest first, without frames; ids below `before` (0: from the newest).
   std::vector<NightRecord> nights(std::uint32_t limit, std::int64_t before, std::string_view name) const;
   // Names a finished night; false when there is none of that number.
-  bool set_baseline(std::string_view name, std::int64_t night);
+  bool set_baseline(std::string_view name, std::int64_t night, std::string_view who = "", std::string_view why = "");
   std::vector<BaselineRecord> baselines() const;
+  // Every approval there was, newest first, of one name or of all (empty).
+  std::vector<BaselineRecord> approvals(std::string_view name) const;
 
  private:
   Store& store_;

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <string>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 
 namespace subpixel::server {
@@ -16,11 +17,14 @@ namespace fs = std::filesystem;
 
 DataFolder::DataFolder(const fs::path& root, Claim claim) {
   try {
-    if (claim == Claim::reader) {
+    if (claim == Claim::reader || claim == Claim::upkeep) {
       if (!fs::is_regular_file(root / "subpixel.sqlite")) {
         throw InputError("can't use the data folder", "there is no store in it", root.string());
       }
       root_ = fs::canonical(root);
+      if (claim == Claim::reader) return;
+      take_lock("lock", "a service");
+      take_lock("night.lock", "a night");
       return;
     }
     fs::create_directories(root);
@@ -35,25 +39,35 @@ DataFolder::DataFolder(const fs::path& root, Claim claim) {
       fs::remove_all(night());
       for (const fs::path& folder : {captures(), night(), cache()}) fs::create_directories(folder);
     }
+    // What is stored in it later is as lasting as its own name.
+    for (const fs::path& folder : {root_, root_.parent_path()}) {
+      const int error = sync_folder(folder);
+      if (error != 0) throw InputError("can't use the data folder", std::strerror(error), folder.string());
+    }
   } catch (const fs::filesystem_error& error) {
-    if (lock_ >= 0) ::close(lock_);
+    release_locks();
     throw InputError("can't use the data folder", error.code().message(), root.string());
   } catch (...) {
-    if (lock_ >= 0) ::close(lock_);
+    release_locks();
     throw;
   }
 }
 
 void DataFolder::take_lock(const std::string& name, const std::string& holder) {
-  lock_ = ::open((root_ / name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (lock_ < 0) throw InputError("can't use the data folder", std::strerror(errno), (root_ / name).string());
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+  const int lock = ::open((root_ / name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock < 0) throw InputError("can't use the data folder", std::strerror(errno), (root_ / name).string());
+  locks_.push_back(lock);
+  if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
     throw InputError("can't use the data folder", holder + " holds it", root_.string());
   }
 }
 
 DataFolder::~DataFolder() {
-  if (lock_ >= 0) ::close(lock_);
+  release_locks();
+}
+
+void DataFolder::release_locks() const {
+  for (const int lock : locks_) ::close(lock);
 }
 
 fs::path DataFolder::capture(std::string_view hash) const {

@@ -6,22 +6,25 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace subpixel::server {
 
 class DataFolder {
  public:
   // service and night exclude their own kind, but not each other: a night runs beside the service on one folder.
-  // reader claims nothing.
-  enum class Claim { service, night, reader };
+  // upkeep excludes both. reader claims nothing.
+  enum class Claim { service, night, upkeep, reader };
 
-  // Creates what is missing, takes the lock of `claim` and removes what its last holder left unfinished. A reader's
-  // folder must be there. Throws InputError when it can't be created or another process holds the lock.
+  // Creates what is missing, takes the lock of `claim` and removes what its last holder left unfinished. For upkeep and
+  // readers there must be a store, and nothing is removed. Throws InputError when it can't be created or another
+  // process holds the lock.
   explicit DataFolder(const std::filesystem::path& root, Claim claim = Claim::service);
   ~DataFolder();
   DataFolder(const DataFolder&) = delete;
   DataFolder& operator=(const DataFolder&) = delete;
 
+  const std::filesystem::path& root() const { return root_; }
   std::filesystem::path store() const { return root_ / "subpixel.sqlite"; }
   std::filesystem::path captures() const { return root_ / "captures"; }
   std::filesystem::path capture(std::string_view hash) const;
@@ -35,8 +38,10 @@ class DataFolder {
  private:
   void take_lock(const std::string& name, const std::string& holder);
 
+  void release_locks() const;
+
   std::filesystem::path root_;
-  int lock_ = -1;
+  std::vector<int> locks_;
 };
 
 }  // namespace subpixel::server

@@ -5,17 +5,32 @@
 namespace subpixel::server {
 namespace {
 
-bool is_programming_error(int primary_code) {
-  switch (primary_code) {
+SqliteError::Cause cause_of(int code) {
+  using Cause = SqliteError::Cause;
+  // A file-size limit or a full quota reports as an I/O error of a write, not as SQLITE_FULL.
+  if (code == SQLITE_IOERR_WRITE) return Cause::disk_full;
+  switch (code & 0xff) {
+    case SQLITE_FULL:
+      return Cause::disk_full;
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+      return Cause::read_only;
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_PROTOCOL:
+      return Cause::busy;
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return Cause::damaged;
     case SQLITE_ERROR:
     case SQLITE_INTERNAL:
     case SQLITE_CONSTRAINT:
     case SQLITE_MISMATCH:
     case SQLITE_MISUSE:
     case SQLITE_RANGE:
-      return true;
+      return Cause::ours;
     default:
-      return false;
+      return Cause::disk;
   }
 }
 
@@ -23,9 +38,7 @@ bool is_programming_error(int primary_code) {
 
 SqliteError::SqliteError(sqlite3* connection, int code)
     : std::runtime_error(connection != nullptr ? sqlite3_errmsg(connection) : sqlite3_errstr(code)),
-      // A file-size limit or a full quota reports as an I/O error of a write, not as SQLITE_FULL.
-      disk_full_((code & 0xff) == SQLITE_FULL || code == SQLITE_IOERR_WRITE),
-      is_ours_(is_programming_error(code & 0xff)) {}
+      cause_(cause_of(code)) {}
 
 Connection::Connection(const std::filesystem::path& file) {
   sqlite3* opened = nullptr;
@@ -103,6 +116,10 @@ std::int64_t Statement::integer() {
   return sqlite3_column_int64(handle_.get(), next_column_++);
 }
 
+double Statement::real() {
+  return sqlite3_column_double(handle_.get(), next_column_++);
+}
+
 std::string Statement::text() {
   return optional_text().value_or(std::string());
 }
@@ -134,6 +151,20 @@ BlobReader::BlobReader(const Connection& connection, const char* table, const ch
 void BlobReader::read(std::span<char> to, std::uint64_t offset) const {
   const int code = sqlite3_blob_read(handle_.get(), to.data(), static_cast<int>(to.size()), static_cast<int>(offset));
   if (code != SQLITE_OK) throw SqliteError(connection_, code);
+}
+
+void copy_database(const Connection& from, const std::filesystem::path& to) {
+  // Not a Connection: that would be in WAL mode before it has the original's page size.
+  sqlite3* opened = nullptr;
+  const int code = sqlite3_open_v2(to.c_str(), &opened, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+  const std::unique_ptr<sqlite3, decltype(&sqlite3_close_v2)> target(opened, &sqlite3_close_v2);
+  if (code != SQLITE_OK) throw SqliteError(opened, code);
+  sqlite3_extended_result_codes(opened, 1);
+  sqlite3_backup* const backup = sqlite3_backup_init(opened, "main", from.handle(), "main");
+  if (backup == nullptr) throw SqliteError(opened, sqlite3_extended_errcode(opened));
+  // All pages in one step: between steps another process's write would start it over.
+  sqlite3_backup_step(backup, -1);
+  if (const int end = sqlite3_backup_finish(backup); end != SQLITE_OK) throw SqliteError(opened, end);
 }
 
 Transaction::Transaction(const Connection& connection) : connection_(connection) {

@@ -15,16 +15,18 @@
 
 namespace subpixel::server {
 
-// A failed SQLite call. `disk_full()` tells the one failure users can mend, `is_ours()` a statement that is wrong from
-// the file, the disk or another process that is in the way.
+// A failed SQLite call. What failed tells what users can mend (no room, no right to write, another process in the way)
+// from a file or disk that is broken and from a statement that is wrong, which is ours.
 class SqliteError : public std::runtime_error {
  public:
+  enum class Cause { disk_full, read_only, busy, damaged, disk, ours };
   SqliteError(sqlite3* connection, int code);
-  bool disk_full() const { return disk_full_; }
-  bool is_ours() const { return is_ours_; }
+  Cause cause() const { return cause_; }
+  bool disk_full() const { return cause_ == Cause::disk_full; }
+  bool is_ours() const { return cause_ == Cause::ours; }
 
  private:
-  bool disk_full_, is_ours_;
+  Cause cause_;
 };
 
 class Connection {
@@ -67,6 +69,7 @@ class Statement {
 
   // The next column of the current row.
   std::int64_t integer();
+  double real();
   std::string text();  // NULL is empty
   std::optional<std::string> optional_text();
   std::string blob();
@@ -97,6 +100,10 @@ class BlobReader {
   sqlite3* connection_;
   std::unique_ptr<sqlite3_blob, Close> handle_;
 };
+
+// Writes the whole of a database, as it is at one moment, to the new file `to`; others may write to it meanwhile. The
+// copy is on the disk then. Throws SqliteError.
+void copy_database(const Connection& from, const std::filesystem::path& to);
 
 // Takes the write lock at once, so that what it reads can't change before it writes. Rolls back unless committed.
 class Transaction {

@@ -39,10 +39,7 @@ CaptureRecord read_capture(Statement& row) {
 }  // namespace
 
 void delete_unnamed_blobs(const Connection& connection) {
-  connection.execute(
-      "DELETE FROM blobs WHERE NOT EXISTS (SELECT 1 FROM images WHERE blob = blobs.hash) "
-      "AND NOT EXISTS (SELECT 1 FROM night_images WHERE blob = blobs.hash) "
-      "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash)");
+  connection.execute(fmt::format("DELETE FROM blobs WHERE {}", kBlobIsUnnamed));
 }
 
 std::string utc_now() {
@@ -52,13 +49,19 @@ std::string utc_now() {
                      (now - second).count());
 }
 
+std::int64_t schema_version(const Connection& connection) {
+  Statement version(connection, "PRAGMA user_version");
+  version.step();
+  return version.integer();
+}
+
+std::int64_t newest_schema_version() {
+  return static_cast<std::int64_t>(schema_steps().size());
+}
+
 void migrate(const Connection& connection, const std::vector<std::string_view>& steps,
              const std::filesystem::path& file) {
-  const auto version_of = [&] {
-    Statement version(connection, "PRAGMA user_version");
-    version.step();
-    return version.integer();
-  };
+  const auto version_of = [&] { return schema_version(connection); };
   const auto newest = static_cast<std::int64_t>(steps.size());
   while (version_of() < newest) {
     Transaction transaction(connection);
@@ -256,6 +259,47 @@ StoreCounts Store::counts() const {
   counts.queued = static_cast<std::uint64_t>(select.integer());
   counts.running = static_cast<std::uint64_t>(select.integer());
   return counts;
+}
+
+StoreGauges Store::gauges() const {
+  const ReadLease reader = read();
+  StoreGauges gauges;
+  Statement runs(reader.connection(),
+                 "SELECT kind, status, CASE status WHEN 'failed' THEN reason ELSE '' END AS why, count(*) FROM runs "
+                 "GROUP BY kind, status, why");
+  while (runs.step()) {
+    StoreGauges::Runs each;
+    each.kind = runs.text();
+    each.status = runs.text();
+    each.reason = runs.text();
+    each.count = static_cast<std::uint64_t>(runs.integer());
+    gauges.runs.push_back(std::move(each));
+  }
+  Statement stages(reader.connection(),
+                   "SELECT 'all', sum(head ->> '$.wall_s') FROM runs WHERE head IS NOT NULL HAVING count(*) > 0 UNION "
+                   "ALL SELECT key, sum(value) FROM runs, json_each(runs.head, '$.outside_parts_s') GROUP BY key");
+  while (stages.step()) {
+    const std::string stage = stages.text();
+    gauges.stage_seconds[stage] = stages.real();
+  }
+  Statement sizes(reader.connection(),
+                  "SELECT (SELECT count(*) FROM frame_results), (SELECT count(*) FROM captures), (SELECT "
+                  "coalesce(sum(size_bytes), 0) FROM captures), page_count * page_size, freelist_count * page_size "
+                  "FROM pragma_page_count, pragma_page_size, pragma_freelist_count");
+  sizes.step();
+  for (std::uint64_t* const value :
+       {&gauges.results, &gauges.captures, &gauges.capture_bytes, &gauges.store_bytes, &gauges.store_free_bytes}) {
+    *value = static_cast<std::uint64_t>(sizes.integer());
+  }
+  return gauges;
+}
+
+void Store::probe() {
+  const std::lock_guard lock(write_mutex_);
+  Transaction transaction(writer_);
+  // Says the same again, so that something is written.
+  writer_.execute(fmt::format("PRAGMA user_version = {}", schema_version(writer_)));
+  transaction.commit();
 }
 
 }  // namespace subpixel::server

@@ -87,6 +87,17 @@ struct StoreCounts {
   std::uint64_t captures = 0, runs = 0, queued = 0, running = 0;
 };
 
+// What there is, for whoever watches the service.
+struct StoreGauges {
+  struct Runs {
+    std::string kind, status, reason;
+    std::uint64_t count = 0;
+  };
+  std::vector<Runs> runs;
+  std::map<std::string, double> stage_seconds;  // of all stored runs' heads
+  std::uint64_t results = 0, captures = 0, capture_bytes = 0, store_bytes = 0, store_free_bytes = 0;
+};
+
 class Store {
  public:
   // Opens or creates the file and brings it to this program's version. Throws InputError for a newer or foreign one.
@@ -149,6 +160,9 @@ class Store {
   bool read_blob(std::string_view hash, std::uint64_t first, std::uint64_t length,
                  const std::function<bool(std::string_view)>& take) const;
   StoreCounts counts() const;
+  StoreGauges gauges() const;
+  // Whether it takes writes now: throws SqliteError as a write would.
+  void probe();
 
   // For parts of the store with SQL of their own (store_access.hpp): a connection to read with, and the one that
   // writes, which nobody else has for as long as the lease is held.
@@ -166,6 +180,10 @@ class Store {
   mutable std::vector<std::unique_ptr<Connection>> idle_readers_;
 };
 
+// The version of the store that `connection` has open, and the newest that this program knows.
+std::int64_t schema_version(const Connection& connection);
+std::int64_t newest_schema_version();
+
 // The schema's steps in order; step i takes version i to version i + 1. Applies those `connection` lacks, each in one
 // transaction with its version number. Throws InputError when the store is newer than the steps.
 void migrate(const Connection& connection, const std::vector<std::string_view>& steps,
@@ -173,7 +191,11 @@ void migrate(const Connection& connection, const std::vector<std::string_view>& 
 
 // Stores the bytes once and returns their hash. Throws InputError for other bytes with the hash of stored ones.
 std::string store_blob(const Connection& connection, const Blob& blob);
-// Blobs have no owner: deletes those that nothing names.
+// Blobs have no owner. This is true of those that nothing names, and this deletes them.
+constexpr std::string_view kBlobIsUnnamed =
+    "NOT EXISTS (SELECT 1 FROM images WHERE blob = blobs.hash) "
+    "AND NOT EXISTS (SELECT 1 FROM night_images WHERE blob = blobs.hash) "
+    "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash)";
 void delete_unnamed_blobs(const Connection& connection);
 
 // Now, as "2025-01-31T12:00:00.123Z".

@@ -30,7 +30,7 @@ Answer parse(const std::string& text) {
     const std::size_t colon = line.find(": ");
     if (answer.status_line.empty()) {
       answer.status_line = line;
-    } else if (colon != std::string::npos) {
+    } else if (colon != std::string::npos && !line.starts_with("X-Request-Id: ")) {  // which no two answers share
       answer.headers.emplace(line.substr(0, colon), line.substr(colon + 2));
     }
   }

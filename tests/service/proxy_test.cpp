@@ -7,8 +7,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <iterator>
 
+#include "server/store/tokens.hpp"
 #include "tests/service/service_fixture.hpp"
 
 namespace subpixel::tests {
@@ -121,6 +124,69 @@ TEST_F(ServiceTest, PageBehindAProxyCanChangeThings) {
   // With the Host handed on, a foreign name that was pointed at the proxy is seen.
   const std::string rebound = "GET /api/health HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n";
   EXPECT_TRUE(raw_exchange(host_port, rebound).starts_with("HTTP/1.1 421"));
+}
+
+// docs/proxies/nginx.conf as it stands, but for ports and paths, with a certificate of the test's own.
+TEST_F(ServiceTest, DocumentedNginxServesTlsToThoseWithATokenOnly) {
+  const fs::path program = find_nginx();
+  if (program.empty() || std::system("openssl version >/dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "nginx or openssl is not installed";
+  }
+  const std::string key = (folder() / "key.pem").string(), certificate = (folder() / "certificate.pem").string();
+  ASSERT_EQ(
+      std::system(fmt::format("openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=perf.example -keyout {} "
+                              "-out {} 2>/dev/null",
+                              key, certificate)
+                      .c_str()),
+      0);
+  server::ServiceOptions closed = options();
+  closed.host_names = {"perf.example"};
+  closed.require_token = true;
+  start(closed);
+  server::Store store(folder() / "data" / "subpixel.sqlite");
+  const std::string token = server::TokenStore(store).add("browser", server::Right::submit, {}, {});
+
+  std::ifstream file(std::string(SUBPIXEL_SOURCE_DIR) + "/docs/proxies/nginx.conf");
+  std::string conf((std::istreambuf_iterator<char>(file)), {});
+  const int tls_port = free_port();
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"443", "127.0.0.1:" + std::to_string(tls_port)},
+                                 {"/etc/ssl/perf.example.pem", certificate},
+                                 {"/etc/ssl/private/perf.example.key", key},
+                                 {"127.0.0.1:8080", "127.0.0.1:" + std::to_string(port())}}) {
+    const std::size_t at = conf.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    conf.replace(at, from.size(), to);
+  }
+  const Nginx nginx(program, folder() / "nginx", "\n" + conf);
+  httplib::SSLClient browser("127.0.0.1", tls_port);
+  browser.enable_server_certificate_verification(false);
+  const httplib::Headers own{{"Host", "perf.example"}, {"Origin", "https://perf.example"}};
+  for (int i = 0; i < 500 && nginx.runs() && !browser.Get("/healthz", own); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  ASSERT_TRUE(nginx.runs());
+  error_of(browser.Get("/api/runs", own), 401);
+  const httplib::Result signed_in =
+      browser.Post("/api/sign-in", own, json{{"token", token}}.dump(), "application/json");
+  ASSERT_TRUE(signed_in);
+  ASSERT_EQ(signed_in->status, 200) << signed_in->body;
+  const std::string cookie = signed_in->get_header_value("Set-Cookie");
+  EXPECT_NE(cookie.find("; Secure"), std::string::npos) << cookie;
+  EXPECT_TRUE(signed_in->has_header("Strict-Transport-Security"));
+  httplib::Headers with_cookie = own;
+  with_cookie.emplace("Cookie", cookie.substr(0, cookie.find(';')));
+  const httplib::Result uploaded =
+      browser.Post("/api/captures?name=a", with_cookie, fake_capture({{"frames", 0}}), "application/octet-stream");
+  ASSERT_EQ(uploaded->status, 201) << uploaded->body;
+  EXPECT_EQ(uploaded->get_header_value("X-Request-Id").size(), 32u) << "nginx's own";
+  with_cookie.erase("Origin");
+  with_cookie.emplace("Origin", "https://evil.example");
+  error_of(browser.Post("/api/captures?name=a", with_cookie, "x", "application/octet-stream"), 403);
+  httplib::Headers guess = own;
+  guess.emplace("Authorization", "Bearer spx_1_guess");
+  guess.emplace("X-Forwarded-For", "192.0.2.7");  // what clients say themselves does not count
+  for (int i = 0; i < 10; ++i) error_of(browser.Get("/api/runs", guess), 401);
+  error_of(browser.Get("/api/runs", guess), 429);
 }
 
 }  // namespace

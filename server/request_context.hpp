@@ -1,0 +1,23 @@
+// What is known of the request that this thread answers.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "server/routes.hpp"
+
+namespace subpixel::server {
+
+struct RequestContext {
+  std::chrono::steady_clock::time_point begun;
+  const Route* route = nullptr;       // of the table; none for the viewer's files and what there is not
+  std::optional<TokenRecord> caller;  // none where no token is required
+};
+
+inline RequestContext& request_context() {
+  thread_local RequestContext context;
+  return context;
+}
+
+}  // namespace subpixel::server
