@@ -11,6 +11,7 @@
 #include "replay/results/plots.hpp"
 #include "server/api.hpp"
 #include "server/http_error.hpp"
+#include "server/request_context.hpp"
 #include "server/run_request.hpp"
 
 namespace subpixel::server {
