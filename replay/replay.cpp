@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 
 #include "base/atomic_file.hpp"
@@ -59,7 +60,7 @@ std::pair<std::uint32_t, std::uint32_t> require_frames(const ReplayOptions& opti
 using ReferenceKind = std::pair<ShadingModel, Resolve>;
 struct Reference {
   ReferenceImage image;
-  std::string file;
+  std::string file, linear_file;
   std::uint64_t invalid_pixels = 0;
 };
 
@@ -109,6 +110,13 @@ class Replay {
   std::string write_png(const std::string& name, const Image& image) {
     const std::string before = now("write");
     write_file_atomically(job_.out_dir / name, encode_png(image));
+    now(before);
+    return name;
+  }
+
+  std::string write_exr(const std::string& name, const std::function<std::vector<std::uint8_t>()>& encode) {
+    const std::string before = now("write");
+    write_file_atomically(job_.out_dir / name, encode());
     now(before);
     return name;
   }
@@ -229,8 +237,10 @@ const Reference* Replay::reference_for(std::uint32_t frame, const TechniqueSetti
                                             ReferenceCache(job_.cache_dir), report);
   now(before);
   if (!cached.store_error.empty()) progress("reference", 1, 1, "not cached: " + cached.store_error);
-  Reference reference{std::move(cached.image), fmt::format("frame{:04}_reference{}.png", frame, references_.size())};
+  const std::string stem = fmt::format("frame{:04}_reference{}", frame, references_.size());
+  Reference reference{std::move(cached.image), stem + ".png", stem + ".exr"};
   write_png(reference.file, reference.image.display);
+  write_exr(reference.linear_file, [&] { return encode_exr(reference.image.linear); });
   reference.invalid_pixels = invalid_pixels(reference.image.linear);
   mark_not_finite(reference.image.linear, reference.image.display);
   return &references_.emplace(kind, std::move(reference)).first->second;
@@ -304,17 +314,25 @@ void Replay::measure(FrameResult& result, FrameImages images, std::size_t which,
 
   result.images["image"] = write_png(stem + ".png", images.display);
   mark_not_finite(images.radiance, images.display);  // a tone curve may have made a colour of what is none
-  now("write");
-  write_file_atomically(job_.out_dir / (stem + ".exr"), encode_exr(images.radiance));
-  now("measure");
-  result.images["hdr"] = stem + ".exr";
-  result.images["shading"] = write_png(stem + "_shading.png", colour_counts(width_, height_, counts, result.samples));
+  result.images["hdr"] = write_exr(stem + ".exr", [&] { return encode_exr(images.radiance); });
+  // A map comes twice: in colours for whoever looks at the file, in numbers for who reads it.
+  const auto write_counts = [&](const std::string& name, std::string_view unit,
+                                const std::vector<std::uint32_t>& values, std::uint32_t maximum) {
+    const std::string map_stem = stem + "_" + name;
+    result.images[name] = write_png(map_stem + ".png", colour_counts(width_, height_, values, maximum));
+    result.images[name + "_values"] =
+        write_exr(map_stem + ".exr", [&] { return encode_counts_exr(width_, height_, values, unit); });
+  };
+  const auto write_values = [&](const std::string& name, const Image& values) {
+    result.images[name + "_values"] =
+        write_exr(stem + "_" + name + ".exr", [&] { return encode_values_exr(values, ""); });
+  };
+  write_counts("shading", "executions", counts, result.samples);
   for (const auto& [name, values] : images.maps) {
     for (const MapDescription& map : planned_[which].technique->maps) {
       if (map.name != name) continue;
       const auto maximum = map.maximum > 0 ? static_cast<std::uint32_t>(map.maximum) : result.samples;
-      result.images[name] =
-          write_png(fmt::format("{}_{}.png", stem, name), colour_counts(width_, height_, values, maximum));
+      write_counts(name, map.unit, values, maximum);
       std::uint64_t total = 0;
       for (const std::uint32_t value : values) total += value;
       result.counters[name] = total;
@@ -324,6 +342,7 @@ void Replay::measure(FrameResult& result, FrameImages images, std::size_t which,
   if (!reference) return;
   const ReferenceImage& truth = reference->image;
   result.images["reference"] = reference->file;
+  result.images["reference_hdr"] = reference->linear_file;
   if (reference->invalid_pixels > 0) result.counters["invalid_reference_pixels"] = reference->invalid_pixels;
   result.error.mse = mse(truth.display, images.display);
   result.error.psnr_db = psnr_db(result.error.mse);
@@ -336,7 +355,10 @@ void Replay::measure(FrameResult& result, FrameImages images, std::size_t which,
   if (frame_before_ && *frame_before_ + 1 == result.frame && before_[which].width != 0 &&
       truth_before != references_before_.end())
     result.error.flicker = flicker(truth_before->second.image.display, truth.display, before_[which], images.display);
-  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(truth.display, images.display)));
+  const Image error = error_map(truth.display, images.display);
+  result.images["error"] = write_png(stem + "_error.png", colour_error(error));
+  write_values("error", error);
+  write_values("flip", perceived.map);
   before_[which] = std::move(images.display);
 }
 
