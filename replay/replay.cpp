@@ -61,7 +61,7 @@ std::pair<std::uint32_t, std::uint32_t> require_frames(const ReplayOptions& opti
 using ReferenceKind = std::pair<ShadingModel, Resolve>;
 struct Reference {
   ReferenceImage image;
-  std::string file;
+  std::string file, linear_file;
   std::uint64_t invalid_pixels = 0;
 };
 
@@ -120,6 +120,11 @@ class Replay {
   std::string now(std::string part) { return clock_.enter(std::move(part), device_.total_ms()); }
   std::string write_png(const std::string& name, const Image& image) const {
     write_file_atomically(job_.out_dir / name, encode_png(image));
+    return name;
+  }
+
+  std::string write_exr(const std::string& name, const std::vector<std::uint8_t>& file) const {
+    write_file_atomically(job_.out_dir / name, file);
     return name;
   }
 
@@ -249,8 +254,10 @@ std::shared_ptr<const Reference> Replay::reference_for(std::uint32_t frame, cons
                                             ReferenceCache(job_.cache_dir), report);
   now("write");
   if (!cached.store_error.empty()) progress("reference", 1, 1, "not cached: " + cached.store_error);
-  Reference reference{std::move(cached.image), fmt::format("frame{:04}_reference{}.png", frame, references_.size())};
+  const std::string stem = fmt::format("frame{:04}_reference{}", frame, references_.size());
+  Reference reference{std::move(cached.image), stem + ".png", stem + ".exr"};
   write_png(reference.file, reference.image.display);
+  write_exr(reference.linear_file, encode_exr(reference.image.linear));
   now(before);
   reference.invalid_pixels = invalid_pixels(reference.image.linear);
   mark_not_finite(reference.image.linear, reference.image.display);
@@ -365,15 +372,23 @@ void Replay::measure(FrameResult& result, FrameImages images, const Truths& trut
 
   result.images["image"] = write_png(stem + ".png", images.display);
   mark_not_finite(images.radiance, images.display);  // a tone curve may have made a colour of what is none
-  write_file_atomically(job_.out_dir / (stem + ".exr"), encode_exr(images.radiance));
-  result.images["hdr"] = stem + ".exr";
-  result.images["shading"] = write_png(stem + "_shading.png", colour_counts(width_, height_, counts, result.samples));
+  result.images["hdr"] = write_exr(stem + ".exr", encode_exr(images.radiance));
+  // A map comes twice: in colours for whoever looks at the file, in numbers for who reads it.
+  const auto write_counts = [&](const std::string& name, std::string_view unit,
+                                const std::vector<std::uint32_t>& values, std::uint32_t maximum) {
+    const std::string map_stem = stem + "_" + name;
+    result.images[name] = write_png(map_stem + ".png", colour_counts(width_, height_, values, maximum));
+    result.images[name + "_values"] = write_exr(map_stem + ".exr", encode_counts_exr(width_, height_, values, unit));
+  };
+  const auto write_values = [&](const std::string& name, const Image& values) {
+    result.images[name + "_values"] = write_exr(stem + "_" + name + ".exr", encode_values_exr(values, ""));
+  };
+  write_counts("shading", "executions", counts, result.samples);
   for (const auto& [name, values] : images.maps) {
     for (const MapDescription& map : planned_[which].technique->maps) {
       if (map.name != name) continue;
       const auto maximum = map.maximum > 0 ? static_cast<std::uint32_t>(map.maximum) : result.samples;
-      result.images[name] =
-          write_png(fmt::format("{}_{}.png", stem, name), colour_counts(width_, height_, values, maximum));
+      write_counts(name, map.unit, values, maximum);
       std::uint64_t total = 0;
       for (const std::uint32_t value : values) total += value;
       result.counters[name] = total;
@@ -382,6 +397,7 @@ void Replay::measure(FrameResult& result, FrameImages images, const Truths& trut
   if (!truths.now) return;
   const ReferenceImage& truth = truths.now->image;
   result.images["reference"] = truths.now->file;
+  result.images["reference_hdr"] = truths.now->linear_file;
   if (truths.now->invalid_pixels > 0) result.counters["invalid_reference_pixels"] = truths.now->invalid_pixels;
   result.error.mse = mse(truth.display, images.display);
   result.error.psnr_db = psnr_db(result.error.mse);
@@ -392,7 +408,10 @@ void Replay::measure(FrameResult& result, FrameImages images, const Truths& trut
   result.error.flip_max = perceived.maximum;
   if (truths.before && before_[which].width != 0)
     result.error.flicker = flicker(truths.before->image.display, truth.display, before_[which], images.display);
-  result.images["error"] = write_png(stem + "_error.png", colour_error(error_map(truth.display, images.display)));
+  const Image error = error_map(truth.display, images.display);
+  result.images["error"] = write_png(stem + "_error.png", colour_error(error));
+  write_values("error", error);
+  write_values("flip", perceived.map);
   before_[which] = std::move(images.display);
 }
 

@@ -33,7 +33,8 @@ struct ReplayInspection {
 };
 
 // Replays every frame asked for through every technique. Each result's images: "image" and "reference" (PNG), "hdr"
-// (EXR), "error" and "shading" (PNG maps) and the technique's own maps by name. Throws UsageError (technique,
+// and "reference_hdr" (EXR, linear), "error" and "shading" (PNG maps) and the technique's own maps by name; of each map
+// NAME also its numbers, "NAME_values" (EXR), and those of FLIP, "flip_values". Throws UsageError (technique,
 // parameter, frame, size; an inspection of what is not replayed or without RenderDoc), InputError (capture, full disk)
 // and DeviceError.
 Results run_replay(const ReplayJob& job, const ReplayEvents& events, const ReplayInspection& inspection = {});

@@ -70,8 +70,8 @@ void WorkerSession::take_result(std::uint32_t ordinal, const json& document) {
   store_.add_result(run_.id, ordinal, result, images);
   taken_.emplace(result.frame, ordinal);
   for (const auto& [role, file] : result.images) {
-    if (role == "reference") continue;  // results of one frame share it
-    std::error_code ignored;            // a file that stays is removed with the job's folder
+    if (role.starts_with("reference")) continue;  // results of one frame share it
+    std::error_code ignored;                      // a file that stays is removed with the job's folder
     std::filesystem::remove(out_dir_ / file, ignored);
   }
   if (run_.kind == RunKind::thumbnail && images.contains("image")) {

@@ -1,21 +1,16 @@
-// Chooses the page by the address's fragment and shows how the service is.
+// Chooses the page by the address's fragment and shows how the service is. Pages are fetched when they are opened.
 import {get, post} from './api.js';
-import {capturePage} from './capture_page.js';
-import {capturesPage} from './captures_page.js';
-import {h, replace} from './dom.js';
-import {nightPage} from './night_page.js';
-import {nightsPage} from './nights_page.js';
-import {runPage} from './run_page.js';
-import {runsPage} from './runs_page.js';
+import {announce, h, replace} from './dom.js';
+import {listenToKeys, setKeys, showKeys} from './keys.js';
 import {signInPage} from './sign_in_page.js';
 
 const routes = [
-  [/^#?\/?$/, () => capturesPage(), 'captures'],
-  [/^#\/captures\/([0-9a-f]{32})$/, (hash) => capturePage(hash), 'captures'],
-  [/^#\/runs$/, () => runsPage(), 'runs'],
-  [/^#\/runs\/(\d+)$/, (id) => runPage(Number(id)), 'runs'],
-  [/^#\/nights$/, () => nightsPage(), 'nights'],
-  [/^#\/nights\/(\d+)$/, (id) => nightPage(Number(id)), 'nights'],
+  [/^#?\/?$/, async () => (await import('./captures_page.js')).capturesPage(), 'captures'],
+  [/^#\/captures\/([0-9a-f]{32})$/, async (hash) => (await import('./capture_page.js')).capturePage(hash), 'captures'],
+  [/^#\/runs$/, async () => (await import('./runs_page.js')).runsPage(), 'runs'],
+  [/^#\/runs\/(\d+)$/, async (id) => (await import('./run_page.js')).runPage(Number(id)), 'runs'],
+  [/^#\/nights$/, async () => (await import('./nights_page.js')).nightsPage(), 'nights'],
+  [/^#\/nights\/(\d+)$/, async (id) => (await import('./night_page.js')).nightPage(Number(id)), 'nights'],
 ];
 
 // A page is {element, title, close}; `close` ends what the page has going on.
@@ -23,7 +18,7 @@ let current = null;
 let turn = 0;
 
 async function show() {
-  const hash = location.hash;
+  const [hash] = location.hash.split('?');  // what follows is the page's own (view_address.js)
   if (hash === '#main') return;  // the skip link
   const mine = ++turn;
   const main = document.getElementById('main');
@@ -34,12 +29,14 @@ async function show() {
     if (link.dataset.page === route?.[2]) link.setAttribute('aria-current', 'page');
     else link.removeAttribute('aria-current');
   }
+  const slow = setTimeout(() => replace(main, h('section.loading', {role: 'status'}, h('h1', {}, 'Loading …'), h('div.skeleton', {}), h('div.skeleton', {}))), 150);
   let page;
   try {
     page = route ? await route[1](...hash.match(route[0]).slice(1)) : notFound();
   } catch (error) {
     page = error.status === 401 ? signInPage(() => { show(); showState(); showCaller(); }) : {element: problem(error), title: 'Problem'};
   }
+  clearTimeout(slow);
   if (mine !== turn) return page.close?.();  // the user is elsewhere already
   current = page;
   document.title = `${page.title} · Subpixel`;
@@ -56,14 +53,19 @@ function problem(error) {
     h('p.problem', {role: 'alert'}, error.why || error.message), h('p', {}, h('a', {href: '#/'}, 'To the captures')));
 }
 
+const lost = h('p.lost-banner', {role: 'alert', hidden: true}, 'The service does not answer. What is shown stays; it is asked again every few seconds.');
+
 async function showState() {
   const state = document.getElementById('service-state');
   try {
     const health = await get('/api/health');
     const busy = health.running + health.queued;
     state.textContent = busy === 0 ? 'idle' : `${health.running} running, ${health.queued} queued`;
+    lost.hidden = true;
   } catch {
-    state.textContent = 'service not reachable';
+    state.textContent = 'not reachable';
+    if (lost.hidden) announce(lost.textContent);
+    lost.hidden = false;
   }
 }
 
@@ -81,23 +83,34 @@ function setUpSignOut() {
     await showCaller();
     show();
   });
+
+function switchTheme() {
+  const dark = document.documentElement.dataset.theme
+    ? document.documentElement.dataset.theme === 'dark'
+    : matchMedia('(prefers-color-scheme: dark)').matches;
+  document.documentElement.dataset.theme = dark ? 'light' : 'dark';
+  localStorage.setItem('theme', document.documentElement.dataset.theme);
 }
 
 function setUpTheme() {
   const stored = localStorage.getItem('theme');
   if (stored) document.documentElement.dataset.theme = stored;
-  document.getElementById('theme').addEventListener('click', () => {
-    const dark = document.documentElement.dataset.theme
-      ? document.documentElement.dataset.theme === 'dark'
-      : matchMedia('(prefers-color-scheme: dark)').matches;
-    document.documentElement.dataset.theme = dark ? 'light' : 'dark';
-    localStorage.setItem('theme', document.documentElement.dataset.theme);
-  });
+  document.getElementById('theme').addEventListener('click', switchTheme);
 }
 
 setUpTheme();
 setUpSignOut();
 showCaller();
+document.getElementById('main').before(lost);
+document.getElementById('keys').addEventListener('click', showKeys);
+setKeys('Everywhere', [
+  {keys: ['?'], text: 'this list', act: showKeys},
+  {keys: ['h'], text: 'captures', act: () => (location.hash = '#/')},
+  {keys: ['u'], text: 'runs', act: () => (location.hash = '#/runs')},
+  {keys: ['i'], text: 'nights', act: () => (location.hash = '#/nights')},
+  {keys: ['D'], text: 'light or dark', act: switchTheme},
+]);
+listenToKeys();
 addEventListener('hashchange', show);
 show();
 showState();

@@ -7,28 +7,18 @@ const rgb = (colour) => [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2),
 
 /** Colour of `t` in 0..1 as [r, g, b] in 0..255. */
 export function colourAt(map, t) {
-  const colours = palette(map);
+  const colours = coloursOf(map);
   const at = Math.min(Math.max(t, 0), 1) * (colours.length - 1);
   const below = Math.min(Math.floor(at), colours.length - 2);
   const [low, high] = [rgb(colours[below]), rgb(colours[below + 1])];
   return low.map((value, i) => value + (at - below) * (high[i] - value));
 }
 
-/** The value a map's pixel shows, by the nearest colour of its scale; NaN for a colour that is not of the scale. */
-export function valueOf(scale, pixel) {
-  let best = 0;
-  let distance = Infinity;
-  const steps = scale.discrete ? scale.maximum : 512;
-  for (let i = 0; i <= steps; ++i) {
-    const colour = colourAt(scale.map, i / steps);
-    const d = colour.reduce((sum, value, c) => sum + (value - pixel[c]) ** 2, 0);
-    if (d < distance) [best, distance] = [i, d];
-  }
-  return distance > 300 ? NaN : (best / steps) * scale.maximum;
-}
+const coloursOf = (map) => (map === 'grey' ? ['#000000', '#ffffff'] : palette(map));
 
 const known = {
   error: {title: 'Error', description: 'largest absolute difference of the sRGB channels to the reference', unit: '', map: 'magma', maximum: 0.25},
+  flip: {title: 'FLIP', description: 'difference a person sees when image and reference alternate (FLIP)', unit: '', map: 'magma', maximum: 1},
   shading: {title: 'Shading', description: 'lighting executions per pixel', unit: 'executions', map: 'viridis', maximum: 0, discrete: true},
 };
 
@@ -54,20 +44,23 @@ export function legend(scale) {
     }
     bar.style.background = `linear-gradient(to right, ${stops.join(', ')})`;
   } else {
-    bar.style.background = `linear-gradient(to right, ${palette(scale.map).join(', ')})`;
+    bar.style.background = `linear-gradient(to right, ${coloursOf(scale.map).join(', ')})`;
   }
-  return h('figure.legend', {'aria-label': `Legend: ${scale.description}`},
+  return h('figure.legend', {},
     h('figcaption', {}, scale.description, scale.unit && ` (${scale.unit})`),
     bar, h('div.legend-ticks', {class: scale.discrete ? 'discrete' : ''}, ticks(scale).map(({value, share}, i, all) => {
       const last = i === all.length - 1;
-      const tick = h('span', {}, `${last ? '≥ ' : ''}${significant(value, value % 1 ? 3 : 4).replace(/\.?0+$/, '') || '0'}`);
+      const tick = h('span', {}, `${last ? '≥ ' : ''}${significant(value, value % 1 ? 3 : 4).replace(/\.0+$|(\.\d*?)0+$/, '$1')}`);
       tick.style.left = `${100 * share}%`;
       return tick;
     })));
 }
 
-function ticks({maximum, discrete}) {
-  if (!discrete || maximum > 64) return [0, 0.25, 0.5, 0.75, 1].map((share) => ({value: share * maximum, share}));
+function ticks({low = 0, maximum, discrete, log}) {
+  if (!discrete || maximum > 64) {
+    const from = low > 0 ? low : maximum / 1000;
+    return [0, 0.25, 0.5, 0.75, 1].map((share) => ({value: log ? from * (maximum / from) ** share : low + share * (maximum - low), share}));
+  }
   const step = Math.max(1, Math.ceil(maximum / 8));
   const values = [];
   for (let value = 0; value < maximum; value += step) values.push(value);

@@ -1,9 +1,11 @@
 // One night as a grid, captures by techniques. A cell opens what was judged, and the baseline's image beside tonight's.
-import {blobUrl, get, loadPalettes, post} from './api.js';
-import {ComparisonView} from './comparison_view.js';
+import {blobUrl, get, loadPalettes, post, techniques} from './api.js';
+import {CompareView} from './compare_view.js';
 import {legend} from './colour_scales.js';
 import {announce, field, h, replace} from './dom.js';
 import {bytes, count, fixed, scientific, significant, when} from './format.js';
+import {setKeys} from './keys.js';
+import {layerOf} from './run_layers.js';
 import {countsText, nightLength} from './nights_page.js';
 import {statusPill} from './runs_page.js';
 
@@ -11,21 +13,25 @@ const marks = {passed: '✓', failed: '✕', missing: '∅', new: '+', unjudged:
 const differenceScale = {map: 'magma', maximum: 0.25, description: 'largest absolute difference of the sRGB channels to the baseline', unit: ''};
 
 export async function nightPage(id) {
-  const [night, {baselines}] = await Promise.all([get(`/api/nights/${id}`), get('/api/baselines'), loadPalettes()]);
-  const page = new NightPage(night, baselines);
+  const [night, {baselines}, registry] = await Promise.all([get(`/api/nights/${id}`), get('/api/baselines'), techniques(), loadPalettes()]);
+  const page = new NightPage(night, baselines, registry);
   return {element: page.element, title: `Night ${id}`, close: () => page.close()};
 }
 
 class NightPage {
   #night;
   #baselines;
-  #view = new ComparisonView();
+  #view = new CompareView();
+  #registry;
   #grid = h('div', {});
   #cell = h('section.night-cell', {'aria-live': 'polite'});
   #approval = h('span', {});
   #open = null;
 
-  constructor(night, baselines) {
+  constructor(night, baselines, registry) {
+    this.#registry = registry;
+    setKeys('Picture', this.#view.keys());
+    setKeys('On the picture', CompareView.hints);
     this.#night = night;
     this.#baselines = baselines;
     this.#drawApproval();
@@ -53,6 +59,8 @@ class NightPage {
 
   close() {
     this.#view.close();
+    setKeys('Picture');
+    setKeys('On the picture');
   }
 
   #drawApproval() {
@@ -110,25 +118,67 @@ class NightPage {
     const pictures = h('div.pictures', {});
     const figures = h('div', {});
     const scale = h('div', {});
+    let other = null;  // the same cell of another night: {night, frames}
+    const nights = h('select', {onchange: async () => {
+      try {
+        other = nights.value ? await this.#cellOf(Number(nights.value), details) : null;
+        if (nights.value && !other) announce(`Night ${nights.value} does not have this cell`);
+      } catch (error) {
+        announce(error.message);
+      }
+      draw(details.frames[Number(frames.value)]);
+    }}, h('option', {value: ''}, 'no other night'));
+    this.#listNights(nights);
     const draw = (frame) => {
       replace(pictures, picture('baseline', frame?.baseline?.images.image, 'The baseline does not have it.'),
         picture('tonight', frame?.tonight?.images.image, 'It was not replayed.'),
         picture('difference', frame?.difference, frame?.tonight && frame?.baseline ? 'The images are equal.' : 'There is nothing to compare.'));
       replace(scale, frame?.difference && legend(differenceScale));
       replace(figures, frame && figuresTable(frame.baseline, frame.tonight));
-      const [before, now] = [frame?.baseline, frame?.tonight].map((result) => result?.images.image);
-      this.#view.element.hidden = !(before && now);
-      if (before && now) this.#view.show({url: blobUrl(before), label: 'baseline'}, {url: blobUrl(now), label: 'tonight'});
+      const layers = this.#layersOf(frame, other);
+      this.#view.element.hidden = layers.length === 0;
+      if (layers.length > 0) this.#view.setLayers(layers);
     };
     replace(this.#cell,
       h('div.section-head', {}, h('h2', {}, `${details.capture}, ${details.technique}`), statusPill(details.status),
-        details.frames.length > 1 && field('frame', frames)),
+        details.frames.length > 1 && field('frame', frames), field('and of', nights)),
       gatesTable(details.gates), pictures, scale, figures, this.#view.element);
     // The first frame that differs says most.
     const first = Math.max(0, details.frames.findIndex((frame) => frame.difference));
     frames.value = first;
     draw(details.frames[first]);
     this.#cell.scrollIntoView({block: 'nearest'});
+  }
+
+  async #listNights(select) {
+    try {
+      const {nights} = await get(`/api/nights?name=${encodeURIComponent(this.#night.name)}&limit=50`);
+      for (const {id, started_utc: started} of nights) if (id !== this.#night.id) select.append(h('option', {value: id}, `night ${id}, ${when(started)}`));
+    } catch {
+      // Then there is none to choose.
+    }
+  }
+
+  async #cellOf(night, {capture, technique}) {
+    const {cells} = await get(`/api/nights/${night}`);
+    const cell = cells.find((candidate) => candidate.capture === capture && candidate.technique === technique);
+    return cell ? {night, frames: (await get(`/api/nights/${night}/cells/${cell.id}`)).frames} : null;
+  }
+
+  // Baseline and tonight, their error maps, and the image of another night.
+  #layersOf(frame, other) {
+    const layers = [];
+    const add = (result, label, roles) => {
+      if (!result) return;
+      const row = {label, entry: this.#registry.find(({name}) => name === result.technique)};
+      for (const role of roles) layers.push(layerOf(`${label}:${role}`, row, result, role));
+    };
+    add(frame?.baseline, 'baseline', ['image']);
+    add(frame?.tonight, 'tonight', ['image']);
+    add(other?.frames.find((candidate) => candidate.frame === frame?.frame)?.tonight, `night ${other?.night}`, ['image']);
+    add(frame?.baseline, 'baseline', ['error']);
+    add(frame?.tonight, 'tonight', ['error', 'shading']);
+    return layers.filter(Boolean);
   }
 }
 

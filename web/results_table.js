@@ -1,96 +1,90 @@
-// The measured figures of one frame, or their means over all frames: one row for each technique.
+// The measured figures of one frame, or their means over all frames: one row for each technique, sorted, filtered, grouped.
 import {h} from './dom.js';
-import {bytes, count, fixed, missing, scientific, shortCount, significant} from './format.js';
+import {count, fixed, missing, shortCount} from './format.js';
+import {judge, measures, valueOf} from './measures.js';
 
-/** Which of the run's techniques the others' times are compared with: `msaa` with the run's samples, else any `msaa`. */
-export function defaultBaseline(run, keys) {
-  const candidates = keys.filter((key) => key.technique === 'msaa');
-  return candidates.find((key) => key.parameters.samples === run.request.samples) ?? candidates.at(-1) ?? null;
-}
-
-const mean = (values) => (values.length > 0 ? values.reduce((sum, value) => sum + value, 0) / values.length : NaN);
-
-/** Means over frames of what the table shows; `results` are of one technique. */
-export function summarise(results) {
-  const of = (pick) => mean(results.map(pick).filter((value) => value !== null && value !== undefined));
-  const mse = of((r) => r.error.mse);
-  const passes = new Map();
-  const fragments = new Map();
-  for (const result of results) {
-    for (const [name, shaded] of Object.entries(result.shading.fragments ?? {})) {
-      fragments.set(name, (fragments.get(name) ?? 0) + shaded / results.length);
-    }
-    for (const name of result.ms.pass_order ?? Object.keys(result.ms.passes)) {
-      passes.set(name, (passes.get(name) ?? 0) + result.ms.passes[name] / results.length);
-    }
+/** The rows as they are shown: [{title, rows}], one group without a title when they are not grouped. */
+export function arrange(rows, {sort, descending, filter, group}, baseline) {
+  const words = filter.toLowerCase().split(/\s+/).filter(Boolean);
+  const kept = rows.filter((row) => words.every((word) => row.label.toLowerCase().includes(word)));
+  if (sort) {
+    const sign = descending ? -1 : 1;
+    const values = new Map(kept.map((row) => [row, sort === 'label' ? row.label : valueOf(row, sort, baseline)]));
+    const missingLast = (v) => (Number.isNaN(v) ? 1 : 0);
+    kept.sort((p, q) => {
+      const [a, b] = [values.get(p), values.get(q)];
+      if (sort === 'label') return sign * a.localeCompare(b, 'en', {numeric: true});
+      return missingLast(a) - missingLast(b) || sign * (a === b ? 0 : a < b ? -1 : 1) || 0;
+    });
   }
-  return {
-    frames: results.length,
-    paper: of((r) => r.memory.paper_bytes_per_pixel), fitted: of((r) => r.memory.fitted_bytes_per_pixel),
-    allocated: of((r) => r.memory.allocated_bytes),
-    executions: of((r) => r.shading.executions), perPixel: of((r) => r.shading.per_pixel_mean),
-    total: of((r) => r.ms.total), spread: of((r) => r.spread), cold: of((r) => r.ms.cold),
-    // The PSNR of the mean error, which is not the mean of the PSNRs.
-    mse, psnr: mse === 0 ? Infinity : -10 * Math.log10(mse),
-    flip: of((r) => r.error.flip_mean),
-    passes, fragments,
-  };
+  if (!group) return [{title: '', rows: kept}];
+  const groups = new Map();
+  for (const row of kept) groups.set(row[group], [...(groups.get(row[group]) ?? []), row]);
+  return [...groups].map(([title, members]) => ({title: group === 'run' ? `Run ${title}` : title, rows: members}));
 }
-
-const columns = [
-  {title: 'Technique', head: true},
-  {title: 'Paper', unit: 'B/px', group: 'Memory', hint: "the publication's own format"},
-  {title: 'Fitted', unit: 'B/px', group: 'Memory', hint: 'what our passes keep over the frame, lists and triangle numbers included'},
-  {title: 'Allocated', unit: '', group: 'Memory', hint: 'the same with the images that come out and the maps'},
-  {title: 'Executions', unit: 'per frame', group: 'Lighting', hint: 'lighting executions'},
-  {title: 'Mean', unit: 'per pixel', group: 'Lighting'},
-  {title: 'Frame', unit: 'ms', group: 'Time', hint: 'sum of the warm pass medians, and the spread of the repeats'},
-  {title: 'Ratio', unit: '', group: 'Time', hint: 'to the baseline; only ratios travel between machines'},
-  {title: 'MSE', unit: '', group: 'Error', hint: 'on the sRGB image, against the reference'},
-  {title: 'PSNR', unit: 'dB', group: 'Error'},
-  {title: 'FLIP', unit: 'mean', group: 'Error', hint: 'perceived difference, 0 to 1'},
-];
 
 function groupRow() {
   const cells = [h('td', {})];
-  for (let i = 1; i < columns.length;) {
+  for (let i = 0; i < measures.length;) {
     let span = 1;
-    while (columns[i + span]?.group === columns[i].group) ++span;
-    cells.push(h('th.group', {scope: 'colgroup', colspan: span}, columns[i].group));
+    while (measures[i + span]?.group === measures[i].group) ++span;
+    cells.push(h('th.group', {scope: 'colgroup', colspan: span}, measures[i].group));
     i += span;
   }
   return h('tr', {}, cells);
 }
 
+const marks = {best: ['●', 'best'], within: ['≈', 'within the spread of the best']};
+
 /**
- * @param rows [{key, label, summary|null, selected, colour}]
+ * @param groups of arrange()
  * @param baseline the summary all times are divided by, or null
+ * @param order {sort, descending}
+ * @param on {select(row), sort(key)}
  */
-export function resultsTable(rows, baseline, onSelect) {
-  const bestMse = Math.min(...rows.map((row) => row.summary?.mse ?? Infinity).filter((value) => !Number.isNaN(value)));
-  return h('div.scroll', {}, h('table.results', {}, h('thead', {}, groupRow(), h('tr', {}, columns.map((column) =>
-    h(column.head ? 'th' : 'th.number', {scope: 'col', title: column.hint}, column.title, column.unit && h('small', {}, ` ${column.unit}`))))),
-  h('tbody', {}, rows.map(({label, summary, selected, select}) => h('tr', {class: selected ? 'selected' : ''},
-    h('th', {scope: 'row'}, h('button.row-select', {type: 'button', 'aria-pressed': String(selected), onclick: () => onSelect(select)}, label)),
-    summary ? cells(summary, baseline, bestMse) : h('td.quiet', {colspan: columns.length - 1}, 'not measured yet'))))));
+export function resultsTable(groups, baseline, order, on) {
+  const rows = groups.flatMap((group) => group.rows);
+  const judges = measures.map(({key}) => judge(rows, key, baseline));
+  const largest = measures.map(({key}) => Math.max(...rows.map((row) => valueOf(row, key, baseline)).filter((v) => Number.isFinite(v)), 0));
+  const heading = (key, title, unit, hint, number) => {
+    const active = order.sort === key;
+    return h(number ? 'th.number' : 'th', {scope: 'col', title: hint, 'aria-sort': active ? (order.descending ? 'descending' : 'ascending') : null},
+      h('button.sort', {type: 'button', 'data-sort': key, onclick: () => on.sort(key)}, title, unit && h('small', {}, ` ${unit}`), h('span.arrow', {'aria-hidden': true}, active ? (order.descending ? ' ▼' : ' ▲') : '')));
+  };
+  return h('div.scroll', {tabindex: 0, role: 'region', 'aria-label': 'Figures'}, h('table.results', {}, h('thead', {}, groupRow(), h('tr', {},
+    heading('label', 'Technique', '', '', false), measures.map(({key, title, unit, hint}) => heading(key, title, unit, hint, true)))),
+  groups.map((group) => h('tbody', {}, group.title && h('tr.group-title', {}, h('th', {scope: 'rowgroup', colspan: measures.length + 1}, group.title)),
+    group.rows.map((row) => h('tr', {class: row.selected ? 'selected' : ''},
+      h('th', {scope: 'row'}, h('button.row-select', {type: 'button', 'aria-pressed': String(row.selected), 'data-row': row.select, onclick: () => on.select(row.select)}, row.label)),
+      row.summary ? measures.map((measure, i) => cell(row, measure, valueOf(row, measure.key, baseline), largest[i], judges[i](row)))
+        : h('td.quiet', {colspan: measures.length}, 'not measured yet')))))));
 }
 
-function cells(s, baseline, bestMse) {
-  const ratio = baseline ? s.total / baseline.total : NaN;
-  return [
-    h('td.number', {}, significant(s.paper, 4)), h('td.number', {}, significant(s.fitted, 4)), h('td.number', {}, bytes(Math.round(s.allocated))),
-    h('td.number', {title: count(s.executions)}, shortCount(s.executions)), h('td.number', {}, fixed(s.perPixel, 2)),
-    h('td.number', {}, fixed(s.total, 1), h('small', {}, ` ± ${fixed(s.spread / 2, 1)}`)),
-    h('td.number', {}, Number.isFinite(ratio) ? `${fixed(ratio, 2)}×` : missing),
-    h('td.number', {class: s.mse === bestMse ? 'best' : ''}, scientific(s.mse)),
-    h('td.number', {}, s.psnr === Infinity ? '∞' : fixed(s.psnr, 2)),
-    h('td.number', {}, fixed(s.flip, 4)),
-  ];
+function cell(row, measure, value, largest, verdict) {
+  const bar = h('i.cell-bar', {'aria-hidden': true});
+  bar.style.width = `${largest > 0 && Number.isFinite(value) ? (100 * value) / largest : 0}%`;
+  const [mark, words] = marks[verdict] ?? [];
+  const spread = measure.key === 'total' && h('small', {}, ` ± ${fixed(row.summary.spread / 2, 1)}`);
+  return h('td.number', {class: verdict, title: measure.long?.(value)},
+    h('span.cell-text', {}, mark && h('span.mark', {title: words}, h('span', {'aria-hidden': true}, mark), h('span.visually-hidden', {}, ` ${words} `)), Number.isNaN(value) ? missing : measure.text(value), spread), bar);
+}
+
+/** The table as Markdown. */
+export function tableMarkdown(groups, baseline) {
+  const line = (cells) => `| ${cells.map((text) => String(text).replaceAll('|', '\\|')).join(' | ')} |`;
+  const head = ['Technique', ...measures.map(({group, title, unit}) => `${group}: ${title}${unit ? ` (${unit})` : ''}`)];
+  const body = groups.flatMap(({title, rows}) => [...(title ? [line([`**${title}**`, ...measures.map(() => '')])] : []),
+    ...rows.map((row) => line([row.label, ...measures.map((measure) => {
+      const value = valueOf(row, measure.key, baseline);
+      return Number.isNaN(value) ? missing : measure.text(value);
+    })]))]);
+  return [line(head), line(['---', ...measures.map(() => '---:')]), ...body].join('\n') + '\n';
 }
 
 /** The passes of each technique as bars of one scale, with their times and fragments as text. */
 export function passBars(rows) {
   const measured = rows.filter((row) => row.summary);
+  if (measured.length === 0) return h('p.quiet', {}, 'Nothing is measured yet.');
   const longest = Math.max(...measured.map((row) => row.summary.total), 1e-9);
   return h('ul.pass-bars', {}, measured.map(({label, summary}) => {
     const bar = h('div.pass-bar', {});

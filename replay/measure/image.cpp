@@ -45,6 +45,15 @@ OIIO::ImageSpec spec_for(const Image& image, const OIIO::TypeDesc& type) {
   return spec;
 }
 
+std::vector<std::uint8_t> encode_channel_exr(OIIO::ImageSpec spec, const OIIO::TypeDesc& type, const void* pixels,
+                                             std::string_view unit) {
+  spec.channelnames = {"Y"};
+  spec.attribute("compression", "zip");
+  spec.attribute("DateTime", "");  // else the time of writing: the same image must give the same bytes
+  spec.attribute("unit", std::string(unit));
+  return encode("exr", spec, type, pixels);
+}
+
 }  // namespace
 
 float srgb_encode(float linear) {
@@ -105,6 +114,18 @@ std::vector<std::uint8_t> encode_exr(const Image& image, ExrPixel pixel) {
   spec.attribute("compression", "zip");
   spec.attribute("DateTime", "");  // else the time of writing: the same image must give the same bytes
   return encode("exr", spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
+}
+
+std::vector<std::uint8_t> encode_counts_exr(std::uint32_t width, std::uint32_t height,
+                                            std::span<const std::uint32_t> counts, std::string_view unit) {
+  if (counts.size() != std::size_t{width} * height) throw InputError("map", "needs a count for each pixel", "map");
+  const OIIO::ImageSpec spec(static_cast<int>(width), static_cast<int>(height), 1, OIIO::TypeDesc::UINT);
+  return encode_channel_exr(spec, OIIO::TypeDesc::UINT, counts.data(), unit);
+}
+
+std::vector<std::uint8_t> encode_values_exr(const Image& values, std::string_view unit) {
+  if (values.channels != 1) throw InputError("map", "needs one channel", "map");
+  return encode_channel_exr(spec_for(values, OIIO::TypeDesc::HALF), OIIO::TypeDesc::FLOAT, values.pixels.data(), unit);
 }
 
 }  // namespace subpixel::replay

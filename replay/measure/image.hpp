@@ -57,4 +57,10 @@ enum class ExrPixel { half_float, full_float };
 // OpenEXR, zip-compressed, without a date: the same image gives the same bytes.
 std::vector<std::uint8_t> encode_exr(const Image& image, ExrPixel pixel = ExrPixel::half_float);
 
+// OpenEXR of one number a pixel, zip-compressed, in the channel Y, with `unit` in the attribute of that name: what maps
+// are made of. Counts are 32-bit integers, the values of an image of one channel 16-bit floats.
+std::vector<std::uint8_t> encode_counts_exr(std::uint32_t width, std::uint32_t height,
+                                            std::span<const std::uint32_t> counts, std::string_view unit);
+std::vector<std::uint8_t> encode_values_exr(const Image& values, std::string_view unit);
+
 }  // namespace subpixel::replay

@@ -109,6 +109,22 @@ TEST_F(ImageFiles, ExrKeepsFloatsAndHalves) {
   }
 }
 
+TEST_F(ImageFiles, NumbersOfMapsComeBackWithTheirUnit) {
+  const std::vector<std::uint32_t> counts = {0, 1, 64, 65535, 65537, 16777215};  // beyond what 16 bits hold
+  const auto bytes = encode_counts_exr(3, 2, counts, "executions");
+  write_file_atomically(folder_ / "counts.exr", bytes);
+  const ImageFile file = read_image_file(folder_ / "counts.exr");
+  EXPECT_EQ(file.channels, std::vector<std::string>{"Y"});
+  EXPECT_EQ(file.image.pixels, std::vector<float>(counts.begin(), counts.end()));
+  EXPECT_NE(std::string(bytes.begin(), bytes.end()).find("executions"), std::string::npos);
+  Image values(2, 1, 1);
+  values.pixels = {0.25F, 0.0078125F};
+  write_file_atomically(folder_ / "values.exr", encode_values_exr(values, ""));
+  EXPECT_EQ(read_image(folder_ / "values.exr").pixels, values.pixels);
+  EXPECT_THROW(encode_counts_exr(2, 2, counts, ""), InputError);
+  EXPECT_THROW(encode_values_exr(Image(2, 2, 3), ""), InputError);
+}
+
 TEST_F(ImageFiles, EqualImagesAreEqualBytes) {
   const Image image = gradient(64, 40, 3, Encoding::display);
   EXPECT_EQ(encode_png(image), encode_png(image));

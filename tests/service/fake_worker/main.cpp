@@ -26,6 +26,9 @@
 #include <string>
 #include <thread>
 
+#include "replay/measure/flip.hpp"
+#include "replay/measure/image.hpp"
+#include "replay/measure/metrics.hpp"
 #include "replay/results/worker_protocol.hpp"
 #include "tests/service/fake_worker/png.hpp"
 #include "tests/service/fake_worker/probe.hpp"
@@ -129,6 +132,12 @@ std::vector<std::uint8_t> render(std::uint32_t width, std::uint32_t height, std:
   return pixels;
 }
 
+replay::Image display_image(const std::vector<std::uint8_t>& rgb, std::uint32_t width, std::uint32_t height) {
+  replay::Image image(width, height, 3);
+  for (std::size_t i = 0; i < rgb.size(); ++i) image.pixels[i] = static_cast<float>(rgb[i]) / 255;
+  return image;
+}
+
 replay::ResultsHead make_head(const replay::ReplayJob& job, const std::string& title, std::uint32_t width,
                               std::uint32_t height) {
   replay::ResultsHead head;
@@ -197,6 +206,18 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
     if (shared && std::filesystem::exists(job.out_dir / result.images[role])) return;
     tests::write_png(job.out_dir / result.images[role], width, height, rgb);
   };
+  const auto write_exr = [&](const std::string& role, const std::string& name, const std::vector<std::uint8_t>& bytes) {
+    result.images[role] = name;
+    std::ofstream(job.out_dir / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  };
+  const auto write_linear = [&](const std::string& role, const std::string& name,
+                                const std::vector<std::uint8_t>& rgb) {
+    replay::Image linear = display_image(rgb, width, height);
+    linear.encoding = replay::Encoding::linear;
+    for (float& value : linear.pixels) value = replay::srgb_decode(value);
+    write_exr(role, name, replay::encode_exr(linear));
+  };
   write("image", image);
   if (job.options.reference_samples > 0) {
     const std::vector<std::uint8_t> reference = render(width, height, frame, 64);
@@ -209,10 +230,18 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
     const std::filesystem::path shared = job.out_dir / result.images["reference"];
     if (!std::filesystem::exists(shared)) tests::write_png(shared, width, height, reference);
     write("error", error);
+    write_linear("reference_hdr", "f" + std::to_string(frame) + "-reference.exr", reference);
+    const replay::Image shown = display_image(image, width, height), truth = display_image(reference, width, height);
+    const replay::FlipResult perceived = replay::flip(truth, shown);
+    result.error.flip_mean = perceived.mean;
+    write_exr("error_values", stem + "-error.exr", replay::encode_values_exr(replay::error_map(truth, shown), ""));
+    write_exr("flip_values", stem + "-flip.exr", replay::encode_values_exr(perceived.map, ""));
   }
   write("shading", std::vector<std::uint8_t>(image.rbegin(), image.rend()));
-  result.images["hdr"] = stem + ".exr";
-  std::ofstream(job.out_dir / result.images["hdr"], std::ios::binary) << "\x76\x2f\x31\x01 fake " << stem;
+  std::vector<std::uint32_t> counts(pixels);
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = i % 4 == 0 ? 0 : result.samples;
+  write_exr("shading_values", stem + "-shading.exr", replay::encode_counts_exr(width, height, counts, "executions"));
+  write_linear("hdr", stem + ".exr", image);
   return result;
 }
 

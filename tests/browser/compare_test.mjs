@@ -1,0 +1,536 @@
+// The viewer over made-up results whose every pixel is known: what it shows of them, by clicks and keys.
+//
+//   node compare_test.mjs [--screenshots DIR]
+import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
+import {join} from 'node:path';
+import {tmpdir} from 'node:os';
+import {parseArgs} from 'node:util';
+import {Browser} from './browser.mjs';
+import {error, executions, fromHalf, image, MadeUpService, radiance, reference, toHalf, wrong} from './made_up_service.mjs';
+
+const {values: options} = parseArgs({options: {screenshots: {type: 'string'}}});
+const browser = new Browser(options.screenshots);
+const [width, height, frames, rows] = [160, 90, 12, 4];
+const service = new MadeUpService({1: {width, height, frames, rows}, 2: {width, height, frames, rows: 3}, 3: {width, height, frames: 2, rows: 2, status: 'running'},
+  4: {width, height, frames: 1, rows: 2, status: 'failed', reason: 'the driver lost the device'}});
+let page;
+
+const view = () => page.locator('.view');
+const settled = () => page.waitForFunction(() => document.querySelector('.view')?.getAttribute('aria-busy') === 'false');
+const keys = async () => {
+  await settled();
+  return view().getAttribute('data-keys');
+};
+const parameters = () => new URLSearchParams(new URL(page.url()).hash.split('?')[1] ?? '');
+const awaitParameter = (name, value) => page.waitForFunction(([n, v]) => new URLSearchParams(location.hash.split('?')[1] ?? '').get(n) === v, [name, value]);
+const srgb = (v) => 255 * (v <= 0 ? 0 : v >= 1 ? 1 : v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055);
+const half = (value) => fromHalf(toHalf(value));
+// The colour of made_up_service.mjs' palettes.
+const ramp = (name, t) => {
+  const points = service.palettes[name].map((colour) => [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16)));
+  const at = Math.min(Math.max(t, 0), 1) * (points.length - 1);
+  const below = Math.min(Math.floor(at), points.length - 2);
+  return points[below].map((low, c) => low + (at - below) * (points[below + 1][c] - low));
+};
+
+// Where a pixel of the image is on the page: its middle. The view says where it is by its address.
+async function place(x, y, cell = 0) {
+  return page.locator('.view-canvas').evaluate((canvas, [px, py, w, h, index]) => {
+    const box = canvas.getBoundingClientRect();
+    const query = new URLSearchParams(location.hash.split('?')[1] ?? '');
+    const number = document.querySelectorAll('.view-labels .view-label').length;
+    const side = query.get('mode') === 'side';
+    let [columns, count] = [1, 1];
+    if (side) {
+      const fits = Array.from({length: number}, (_, i) => Math.min(box.width / (i + 1) / w, box.height / Math.ceil(number / (i + 1)) / h));
+      columns = fits.indexOf(Math.max(...fits)) + 1;
+      count = Math.ceil(number / columns);
+    }
+    const [cw, ch] = [box.width / columns, box.height / count];
+    const scale = Number(query.get('zoom')) || Math.min(cw / w, ch / h);
+    const [cx, cy] = [query.has('x') ? Number(query.get('x')) : w / 2, query.has('y') ? Number(query.get('y')) : h / 2];
+    return {x: box.left + (index % columns) * cw + cw / 2 + (px + 0.5 - cx) * scale, y: box.top + Math.floor(index / columns) * ch + ch / 2 + (py + 0.5 - cy) * scale};
+  }, [x, y, width, height, cell]);
+}
+
+async function colourOf(x, y, cell = 0) {
+  await settled();
+  await page.waitForTimeout(250);  // the address follows a moment later
+  const at = await place(x, y, cell);
+  return page.locator('.view-canvas').evaluate((canvas, point) => {
+    const box = canvas.getBoundingClientRect();
+    return [...canvas.getContext('2d').getImageData(Math.floor((point.x - box.left) * canvas.width / box.width), Math.floor((point.y - box.top) * canvas.height / box.height), 1, 1).data].slice(0, 3);
+  }, at);
+}
+
+function near(actual, expected, tolerance, why) {
+  assert.ok(expected.every((value, i) => Math.abs(actual[i] - value) <= tolerance), `${why}: ${actual} is not ${expected.map((v) => v.toFixed(2))}`);
+}
+
+const open = async (hash) => {
+  await page.goto('about:blank');
+  await page.goto(`${service.url}/${hash}`);
+};
+const openRun = async (hash = '#/runs/1') => {
+  await open(hash);
+  await page.locator('.view[data-shown]').waitFor();
+  await settled();
+};
+const inSight = async () => {
+  await page.locator('.view-stage').evaluate((stage) => stage.scrollIntoView({block: 'center'}));
+};
+const press = async (...names) => {
+  for (const name of names) await page.keyboard.press(name);
+  await settled();
+};
+
+const tests = [
+  ['the service starts', async () => {
+    await service.start();
+    await browser.open();
+    page = browser.page;
+    await openRun();
+  }],
+
+  // Data, not colours ---------------------------------------------------------------------------------------------
+  ['the values under the pointer are the true ones of every layer', async () => {
+    await openRun('#/runs/1?row=2&layers=*:image,*:hdr,*:error,*:flip,*:shading,*:reference&frame=1');
+    await inSight();
+    for (const [x, y] of [[42, 25], [3, 3], [100, 60]]) {
+      const at = await place(x, y);
+      await page.mouse.move(at.x, at.y);
+      await page.waitForFunction(([px, py]) => {
+        const {x: vx, y: vy} = JSON.parse(document.querySelector('.view').dataset.values ?? '{}');
+        return vx === px && vy === py;
+      }, [x, y]);
+      const {values} = JSON.parse(await view().getAttribute('data-values'));
+      const rgb = (of) => [0, 1, 2].map(of);
+      const expected = [rgb((c) => image(x, y, c, 1, 2) / 255), rgb((c) => half(radiance(x, y, c, 1, 2))), [half(error(x, y, 2))], [Math.fround(error(x, y, 2) / 2)],
+        [executions(x, y, 2)], rgb((c) => reference(x, y, c, 1) / 255)];
+      expected.forEach((layer, i) => near(values[i], layer, 1e-7, `layer ${i + 1} at ${x}, ${y}`));
+    }
+    const at = await place(3, 3);
+    await page.mouse.move(at.x, at.y);
+    await page.locator('.readout').getByText('70,000 executions').waitFor();
+  }],
+
+  ['maps are coloured by the page: range, logarithm, palette', async () => {
+    await page.getByRole('button', {name: 'Error map'}).click();
+    near(await colourOf(42, 25), ramp('magma', half(60 / 255) / 0.25), 2, 'error in magma');
+    near(await colourOf(10, 10), ramp('magma', 0), 2, 'no error');
+    await page.getByText('Exposure, tone and false colour').click();
+    await page.getByLabel('To', {exact: true}).fill('0.5');
+    await page.getByLabel('To', {exact: true}).press('Tab');
+    near(await colourOf(42, 25), ramp('magma', half(60 / 255) / 0.5), 2, 'the range to 0.5');
+    await page.getByLabel('Colours').selectOption('viridis');
+    near(await colourOf(42, 25), ramp('viridis', half(60 / 255) / 0.5), 2, 'viridis');
+    await page.getByLabel('logarithmic', {exact: true}).first().check();
+    near(await colourOf(42, 25), ramp('viridis', Math.log(half(60 / 255) / 0.0005) / Math.log(1000)), 2, 'logarithm');
+    assert.match(await page.locator('.legend').first().innerText(), /0\.5/);
+    await page.getByRole('button', {name: 'Reset'}).click();
+    near(await colourOf(42, 25), ramp('magma', half(60 / 255) / 0.25), 2, 'as before');
+  }],
+
+  ['linear images have exposure, tone, single channels and false colour', async () => {
+    await page.getByRole('button', {name: 'Linear images'}).click();
+    await press('f');
+    const light = (c) => half(radiance(100, 60, c, 1, 2));
+    near(await colourOf(100, 60), [0, 1, 2].map((c) => srgb(light(c))), 1.5, 'clamped');
+    await press('E', 'E', 'E', 'E');
+    near(await colourOf(100, 60), [0, 1, 2].map((c) => srgb(light(c) / 4)), 1.5, 'two stops darker');
+    await press('t');
+    near(await colourOf(100, 60), [0, 1, 2].map((c) => srgb(light(c) / 4 / (1 + light(c) / 4))), 1.5, 'Reinhard');
+    await press('t', 't', 'c');
+    near(await colourOf(100, 60), Array(3).fill(srgb(light(0) / 4)), 1.5, 'red alone');
+    await press('c', 'o');
+    near(await colourOf(100, 60), ramp('viridis', light(1)), 2, 'green in false colour');
+    await awaitParameter('false', '1');
+    await browser.shot('false-colour');
+    await page.getByRole('button', {name: 'Reset'}).click();
+  }],
+
+  // Compare -------------------------------------------------------------------------------------------------------
+  ['wipe, flip and side by side, by keys', async () => {
+    await openRun('#/runs/1?row=3&layers=*:image,*:reference,*:error,1:image');
+    await inSight();
+    assert.equal(await keys(), '*:image *:reference');
+    near(await colourOf(42, 25), [0, 1, 2].map((c) => image(42, 25, c, 0, 3)), 1, 'left of the line');
+    near(await colourOf(100, 60), [0, 1, 2].map((c) => reference(100, 60, c, 0)), 1, 'right of it');
+    await press('4');
+    assert.equal(await keys(), '1:image');
+    near(await colourOf(42, 25), [0, 1, 2].map((c) => image(42, 25, c, 0, 1)), 1, 'layer 4');
+    assert.match(await page.locator('.view-label').innerText(), /4 of 4: msaa/);
+    await press('3');
+    assert.equal(await keys(), '*:error');
+    await press('s');
+    assert.equal(await page.locator('.view-label').count(), 4);
+    near(await colourOf(42, 25, 0), [0, 1, 2].map((c) => image(42, 25, c, 0, 3)), 1, 'first cell');
+    near(await colourOf(42, 25, 2), ramp('magma', half(60 / 255) / 0.25), 2, 'third cell');
+    await press('z', 'z');
+    near(await colourOf(42, 25, 3), [0, 1, 2].map((c) => image(42, 25, c, 0, 1)), 1, 'the cells are in step');
+    await browser.shot('side-by-side');
+    await press('0', 'w');
+  }],
+
+  ['difference with gain and sign, by channel and by FLIP', async () => {
+    await page.getByLabel('Left', {exact: true}).selectOption('0');
+    await page.getByLabel('Right', {exact: true}).selectOption('1');
+    await press('d');
+    near(await colourOf(42, 25), ramp('magma', 60 / 255 * 4), 2, 'largest difference');
+    await press('G', 'G');
+    near(await colourOf(42, 25), ramp('magma', 60 / 255), 2, 'gain 1');
+    near(await colourOf(10, 10), [0, 0, 0], 1, 'equal');
+    await press('n');
+    await page.getByLabel('Measure', {exact: true}).selectOption('b');
+    near(await colourOf(42, 25), [70, 160, 255].map((v) => v * 60 / 255), 2, 'blue is too dark: blue');
+    await page.getByLabel('Measure', {exact: true}).selectOption('r');
+    near(await colourOf(42, 25), [255, 150, 40].map((v) => v * 60 / 255), 2, 'red is too bright: orange');
+    await page.getByLabel('Measure', {exact: true}).selectOption('flip');
+    const [red] = await colourOf(44, 24);
+    assert.ok(red > 40, `FLIP sees it: ${red}`);
+    near(await colourOf(150, 80), [0, 0, 0], 2, 'and nothing elsewhere');
+    await page.getByLabel('Measure', {exact: true}).selectOption('largest');
+    await browser.shot('difference');
+    await press('w');
+  }],
+
+  ['zoom keeps pixels square, with their values; the minimap, dragging and keys move', async () => {
+    await press('f', '1');
+    for (let i = 0; i < 20 && await page.locator('.scale').innerText() !== '64.0×'; ++i) await press('z');
+    await page.waitForTimeout(300);
+    const from = Number(parameters().get('x'));
+    const colours = new Set();
+    const at = await place(Math.floor(from), Math.floor(Number(parameters().get('y'))));
+    for (let dx = -20; dx <= 20; dx += 4) {
+      colours.add(String(await page.locator('.view-canvas').evaluate((canvas, point) => {
+        const box = canvas.getBoundingClientRect();
+        return [...canvas.getContext('2d').getImageData(Math.floor((point.x - box.left) * canvas.width / box.width), Math.floor((point.y - box.top) * canvas.height / box.height), 1, 1).data];
+      }, {x: at.x + dx, y: at.y - 29})));
+    }
+    assert.equal(colours.size, 1, 'one colour all over a pixel');
+    await browser.shot('pixel-values');
+    await page.locator('.view-canvas').focus();
+    await press('ArrowRight');
+    await page.waitForTimeout(300);
+    assert.ok(Math.abs(Number(parameters().get('x')) - from - 40 / 64) < 0.01);
+    const box = await page.locator('.view-canvas').boundingBox();
+    await page.mouse.move(box.x + 300, box.y + 200);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 300 - 128, box.y + 200, {steps: 4});
+    await page.mouse.up();
+    await page.waitForTimeout(300);
+    assert.ok(Math.abs(Number(parameters().get('x')) - from - 40 / 64 - 2) < 0.05, parameters().get('x'));
+    const map = await page.locator('.minimap').boundingBox();
+    await page.mouse.click(map.x + map.width * 0.25, map.y + map.height * 0.5);
+    await page.waitForTimeout(300);
+    assert.ok(Math.abs(Number(parameters().get('x')) - width * 0.25) < 2, parameters().get('x'));
+    await press('0');
+    assert.equal(await page.locator('.minimap').isVisible(), false);
+  }],
+
+  ['a click tells which pixel was chosen', async () => {
+    await page.evaluate(() => document.addEventListener('pixelchosen', ({detail}) => (window.chosen = detail)));
+    await page.waitForTimeout(250);
+    const at = await place(60, 30);
+    await page.mouse.click(at.x, at.y);
+    const {x, y, layer} = await page.evaluate(() => window.chosen);
+    assert.deepEqual([x, y, layer.key], [60, 30, '*:image']);
+  }],
+
+  ['a box says its error, its share and its lighting executions', async () => {
+    await openRun('#/runs/1?row=2&layers=*:image,*:reference,*:error,*:shading');
+    await inSight();
+    const [from, to] = [await place(wrong.x, wrong.y), await place(wrong.x + 15, wrong.y + 7)];
+    await page.keyboard.down('Shift');
+    await page.mouse.move(from.x, from.y);
+    await page.mouse.down();
+    await page.mouse.move(to.x, to.y, {steps: 5});
+    await page.mouse.up();
+    await page.keyboard.up('Shift');
+    const line = (name) => page.locator('.box-figures tbody tr', {has: page.locator('th', {hasText: name})});
+    await line(/shading/).waitFor();
+    assert.match(await page.locator('.box-panel h3').innerText(), /Box at 40, 20 of 16×8 pixels/);
+    // Half of the box is wrong by 60 of 255, and nothing outside of it.
+    assert.match(await line(/^msaa samples=4$/).innerText(), /error\s+0\.1176\s+0\.2353\s+15\.06\s+100\.00 %/);
+    assert.match(await line(/error/).innerText(), /100\.00 %/);
+    let sum = 0;
+    let whole = 0;
+    for (let y = 0; y < height; ++y) for (let x = 0; x < width; ++x) {
+      whole += executions(x, y, 2);
+      if (x >= 40 && x < 56 && y >= 20 && y < 28) sum += executions(x, y, 2);
+    }
+    const text = await line(/shading/).innerText();
+    assert.ok(text.includes(`\t${sum}\t`) && text.includes(`${(100 * sum / whole).toFixed(2)} %`), text);
+    await browser.shot('box');
+    await page.locator('.view-canvas').focus();
+    await press('Shift+ArrowRight');
+    await page.getByText('Box at 41, 20 of 16×8 pixels').waitFor();
+    await press('x');
+    assert.equal(await page.locator('.box-panel').innerText(), '');
+  }],
+
+  ['the worst places are listed, and a click goes there', async () => {
+    await press('v');
+    const places = page.locator('.place');
+    await places.first().waitFor();
+    assert.equal(await places.count(), 1, 'the wrong pixels lie in one square of 16');
+    assert.match(await places.first().getAttribute('aria-label'), /x 40, y 20, 0\.2353/);
+    await browser.shot('worst-places');
+    await places.first().click();
+    await awaitParameter('zoom', '16');
+    near([Number(parameters().get('x')), Number(parameters().get('y'))], [40.5, 20.5], 0.01, 'centre');
+    await press('m');
+    assert.equal(await page.locator('.magnifier').isVisible(), true);
+    await browser.shot('magnifier');
+    await press('m', 'v', '0');
+  }],
+
+  ['layers are added and taken away, six at most', async () => {
+    await page.locator('.layer-list summary').click();
+    await page.getByLabel('of', {exact: true}).selectOption('3');
+    await page.getByLabel('layer', {exact: true}).selectOption('flip');
+    await page.getByRole('button', {name: 'Add layer'}).click();
+    await awaitParameter('layers', '*:image,*:reference,*:error,*:shading,3:flip');
+    await page.getByLabel('layer', {exact: true}).selectOption('hdr');
+    await page.getByRole('button', {name: 'Add layer'}).click();
+    assert.equal(await page.getByRole('button', {name: 'Add layer'}).isDisabled(), true);
+    await press('6');
+    assert.equal(await keys(), '3:hdr');
+    await page.getByRole('button', {name: 'Take away layer 6'}).click();
+    await page.getByRole('button', {name: 'Take away layer 5'}).click();
+    await awaitParameter('layers', '*:image,*:reference,*:error,*:shading');
+  }],
+
+  // Run -----------------------------------------------------------------------------------------------------------
+  ['the table is sorted, filtered and grouped, with bars, the best and what is within its spread', async () => {
+    await openRun();
+    const labels = () => page.locator('.results .row-select').allInnerTexts();
+    const before = await labels();
+    assert.deepEqual(before, ['noaa samples=1', 'msaa samples=8', 'msaa samples=4', 'streaming samples=8']);
+    await page.locator('[data-sort="mse"]').click();
+    assert.deepEqual(await labels(), [...before].reverse());
+    assert.equal(await page.locator('th[aria-sort]').getAttribute('aria-sort'), 'ascending');
+    await page.locator('[data-sort="mse"]').click();
+    assert.deepEqual(await labels(), before);
+    await page.locator('[data-sort="mse"]').click();
+    const bar = await page.locator('.results tbody tr').nth(1).locator('.cell-bar').first().evaluate((element) => element.style.width);
+    assert.equal(bar, '50%');
+    assert.equal(await page.locator('td.best').count(), 10, 'one of each measure; the first frame has no flicker');
+    assert.deepEqual(await page.locator('td.within').allInnerTexts().then((texts) => texts.length), 2, 'time and its ratio of msaa samples=8');
+    await page.getByLabel('filter').fill('msaa 4');
+    assert.deepEqual(await labels(), ['msaa samples=4']);
+    await page.getByLabel('filter').fill('');
+    await page.getByLabel('group').selectOption('technique');
+    assert.deepEqual(await page.locator('.group-title').allInnerTexts(), ['noaa', 'msaa', 'streaming']);
+    await page.getByLabel('group').selectOption('');
+  }],
+
+  ['points select their row, the front and families are drawn, any measure against any other', async () => {
+    await page.locator('.point[data-row="0"] circle').first().click();
+    await page.locator('.results tr.selected', {hasText: 'noaa'}).waitFor();
+    await awaitParameter('row', '0');
+    await page.locator('.point[data-row="2"]').focus();
+    await page.keyboard.press('Enter');
+    await awaitParameter('row', '2');
+    assert.equal(await page.locator('.plot .family').count(), 1);
+    assert.equal((await page.locator('.plot .front').getAttribute('points')).split(' ').length, 4);
+    await page.getByLabel('Measure across').selectOption('executions');
+    await page.locator('.plot[data-drawn="executions mse"]').waitFor();
+    const download = page.waitForEvent('download');
+    await page.locator('.plot').locator('..').getByRole('button', {name: 'SVG'}).click();
+    const file = await (await download).path();
+    assert.match(readFileSync(file, 'utf8'), /^<svg[^>]*xmlns=.*msaa samples=4/s);
+  }],
+
+  ['over frames: lines, a click chooses the frame, playback', async () => {
+    await page.locator('.lines canvas').waitFor();
+    await page.getByLabel('Measure over frames').selectOption('flicker');
+    await page.locator('.lines[data-drawn="flicker"]').waitFor();
+    await page.locator('.lines').scrollIntoViewIfNeeded();
+    const box = await page.locator('.lines .u-over').boundingBox();
+    await page.mouse.move(box.x + box.width - 3, box.y + box.height / 2);
+    await page.waitForTimeout(100);
+    await page.mouse.click(box.x + box.width - 3, box.y + box.height / 2);
+    await awaitParameter('frame', '11');
+    assert.equal(await page.locator('.frame-number').innerText(), '11');
+    await page.locator('.series-key').first().click();
+    assert.equal(await page.locator('.series-key[aria-pressed="false"]').innerText(), 'noaa samples=1');
+    await browser.shot('run-1360');
+    await press('[');
+    await awaitParameter('frame', '10');
+    await page.keyboard.press('p');
+    const seen = new Set();
+    const ends = Date.now() + 20_000;
+    while (seen.size < 4 && Date.now() < ends) seen.add(await page.locator('.frame-number').innerText());
+    assert.ok(seen.size >= 4, `played ${[...seen]}`);
+    await page.keyboard.press('p');
+    assert.equal(await page.getByRole('button', {name: 'Play'}).isVisible(), true);
+  }],
+
+  ['two runs of one capture are beside each other', async () => {
+    await page.getByLabel('beside').selectOption('2');
+    await page.locator('.results .row-select', {hasText: '(run 2)'}).nth(2).waitFor();
+    assert.equal(await page.locator('.results .row-select').count(), rows + 3);
+    await awaitParameter('with', '2');
+    await page.getByLabel('group').selectOption('run');
+    assert.deepEqual(await page.locator('.group-title').allInnerTexts(), ['Run 1', 'Run 2']);
+    await page.locator('.layer-list summary').click();
+    await page.getByLabel('of', {exact: true}).selectOption({label: 'noaa samples=1 (run 2)'});
+    await page.getByRole('button', {name: 'Add layer'}).click();
+    await press('5');
+    assert.equal(await keys(), '4:image');
+    assert.match(await page.locator('.view-label').innerText(), /run 2/);
+    await browser.shot('two-runs');
+  }],
+
+  // Report --------------------------------------------------------------------------------------------------------
+  ['the address restores the view whole', async () => {
+    await openRun('#/runs/1');
+    await inSight();
+    await page.locator('[data-sort="flip"]').click();
+    await page.getByLabel('group').selectOption('technique');
+    await page.locator('h1').click();
+    await press(']', ']', 'd', 'g', 'z', 'z', 'x', 'a', 'k');
+    await page.waitForTimeout(400);
+    const address = page.url();
+    const state = () => page.evaluate(() => ({table: document.querySelector('.results').innerText, keys: document.querySelector('.view').dataset.keys, scale: document.querySelector('.scale').innerText,
+      frame: document.querySelector('.frame-number').innerText, box: document.querySelector('.box-panel h3')?.innerText, label: document.querySelector('.view-label').innerText}));
+    await page.locator('.box-panel h3').waitFor();
+    const before = await state();
+    assert.ok(before.box && before.label.includes('×8') && before.frame === '2', JSON.stringify(before));
+    await open(address.slice(service.url.length + 1));
+    await page.locator('.box-panel h3').waitFor();
+    await settled();
+    await page.waitForFunction((table) => document.querySelector('.results').innerText === table, before.table);
+    assert.deepEqual(await state(), before);
+  }],
+
+  ['one click writes a page by itself, without network', async () => {
+    const download = page.waitForEvent('download');
+    await page.getByRole('button', {name: 'Report'}).click();
+    const path = join(tmpdir(), `subpixel-report-${process.pid}.html`);
+    await (await download).saveAs(path);
+    const other = await browser.context.newPage();
+    const asked = [];
+    other.on('request', (request) => asked.push(request.url()));
+    await other.goto(`file://${path}`);
+    assert.deepEqual(asked.filter((url) => !url.startsWith('file:') && !url.startsWith('data:')), []);
+    assert.ok(await other.locator('img').evaluate((element) => element.naturalWidth > 500));
+    assert.equal(await other.locator('svg').count(), 2);
+    assert.equal(await other.locator('tbody tr').count(), rows + 3, 'rows and the titles of their groups');
+    assert.equal(await other.locator('a').getAttribute('href'), page.url());
+    if (options.screenshots) await other.screenshot({path: join(options.screenshots, 'report.png'), fullPage: true});
+    await other.close();
+    const markdown = page.waitForEvent('download');
+    await page.getByRole('button', {name: 'Markdown', exact: true}).click();
+    assert.match(readFileSync(await (await markdown).path(), 'utf8'), /^\| Technique \| Memory: Paper \(B\/px\).*\n\| --- \|.*\n\| \*\*/);
+  }],
+
+  // For everyone --------------------------------------------------------------------------------------------------
+  ['? lists the keys', async () => {
+    await page.keyboard.press('?');
+    const dialog = page.getByRole('dialog');
+    await dialog.waitFor();
+    const text = await dialog.innerText();
+    for (const words of ['side by side', 'next frame', 'box in the middle', 'report of what', 'light or dark']) assert.ok(text.toLowerCase().includes(words), words);
+    await browser.shot('keys');
+    assert.deepEqual(await browser.violations(), []);
+    await page.keyboard.press('Escape');
+    assert.equal(await dialog.isVisible(), false);
+  }],
+
+  ['nothing is measured yet, nothing is there, nothing is found: each says so', async () => {
+    await open('#/runs/3');
+    await page.getByText('0 of 4 results').waitFor();
+    await page.getByText(/is not there yet/).waitFor();
+    assert.equal(await page.locator('.results td.quiet').count(), 2);
+    await browser.shot('state-empty-run');
+    assert.deepEqual(await browser.violations(), []);
+    await open('#/runs/4');
+    await page.locator('.problem', {hasText: 'the driver lost the device'}).waitFor();
+    await browser.shot('state-failed-run');
+    assert.deepEqual(await browser.violations(), []);
+    await open('#/runs/99');
+    await page.locator('.problem').waitFor();
+    await browser.shot('state-no-run');
+    assert.deepEqual(await browser.violations(), []);
+    browser.forgive('404');
+  }],
+
+  ['a slow answer shows that it is awaited', async () => {
+    service.delay = 900;
+    await open('#/runs');
+    await page.locator('.loading .skeleton').first().waitFor();
+    await browser.shot('state-loading');
+    assert.deepEqual(await browser.violations(), []);
+    await page.locator('tbody tr').first().waitFor();
+    assert.equal(await page.locator('.loading').count(), 0);
+    service.delay = 0;
+  }],
+
+  ['a picture that is missing is told where it would be', async () => {
+    service.broken.add('error_values');
+    await openRun('#/runs/1?frame=7&layers=*:image,*:reference,*:error');
+    await press('3');
+    await page.locator('.view-message', {hasText: 'status 404'}).waitFor();
+    assert.equal(await page.locator('.view-label').count(), 0, 'nothing else is shown under its name');
+    await browser.shot('state-no-picture');
+    service.broken.clear();
+    browser.forgive('404');
+    await press('1');
+    await page.locator('.view-message').waitFor({state: 'hidden'});
+  }],
+
+  ['a lost connection is told, and what is shown stays', async () => {
+    await open('#/runs/3');
+    await page.getByText('0 of 4 results').waitFor();
+    const {port} = service;
+    await service.stop();
+    await page.locator('.progress.lost').waitFor();
+    await page.locator('.lost-banner').waitFor({state: 'visible', timeout: 15_000});
+    await browser.shot('state-lost');
+    assert.deepEqual(await browser.violations(), []);
+    await service.start(port);
+    await page.locator('.lost-banner').waitFor({state: 'hidden', timeout: 15_000});
+    await page.locator('.progress:not(.lost)').waitFor({timeout: 15_000});
+    browser.forgive('ERR_');
+  }],
+
+  ['pages have no violation and no sideways scrolling, wide and on a phone, light and dark', async () => {
+    for (const [name, size] of [['1280', {width: 1280, height: 800}], ['1920', {width: 1920, height: 1080}], ['phone', {width: 390, height: 844}]]) {
+      await page.setViewportSize(size);
+      for (const theme of ['light', 'dark']) {
+        await page.evaluate((value) => localStorage.setItem('theme', value), theme);
+        for (const [title, hash] of [['captures', '#/'], ['runs', '#/runs'], ['nights', '#/nights'], ['run', '#/runs/1?mode=side&box=40,20,16,8&group=technique']]) {
+          if (title === 'run') {
+            await openRun(hash);
+            await page.locator('.box-panel h3').waitFor();
+            await page.locator('.lines canvas').waitFor();
+            await page.locator('.look summary').click();
+            await press('v');
+          } else {
+            await open(hash);
+            await page.locator('h1').waitFor();
+          }
+          assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${title} is wider than ${name}`);
+          assert.deepEqual(await browser.violations(), [], `${title} ${name} ${theme}`);
+          await browser.shot(`${title}-${name}-${theme}`);
+        }
+      }
+    }
+  }],
+
+  ['nothing went wrong on the pages meanwhile', async () => {
+    assert.deepEqual(browser.complaints, []);
+  }],
+];
+
+let code = 1;
+try {
+  code = await browser.run(tests);
+} finally {
+  await browser.close();
+  await service.stop().catch(() => {});
+}
+process.exit(code);
