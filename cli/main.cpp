@@ -18,6 +18,7 @@
 #include "cli/service_verbs.hpp"
 #include "cli/store_verbs.hpp"
 #include "cli/token_verbs.hpp"
+#include "cli/story_verbs.hpp"
 #include "server/store/sqlite.hpp"
 
 namespace {
@@ -53,6 +54,7 @@ int main(int argc, char** argv) {
   subpixel::cli::add_capture_tool_verbs(app, action);
   subpixel::cli::add_import_verbs(app, action);
   subpixel::cli::add_replay_verbs(app, action);
+  subpixel::cli::add_story_verbs(app, action);
   subpixel::cli::add_measure_verbs(app, action);
   subpixel::cli::add_service_verbs(app, action);
   subpixel::cli::add_nightly_verbs(app, action);

@@ -50,4 +50,13 @@ std::pair<std::uint32_t, std::string> parse_frame_of_technique(const std::string
           std::string(technique)};
 }
 
+std::pair<std::uint32_t, std::uint32_t> parse_pixel(const std::string& text) {
+  const std::string_view view = text;
+  const std::size_t comma = std::min(view.find(','), view.size());
+  const auto x = parse_number<std::uint32_t>(view.substr(0, comma));
+  const auto y = parse_number<std::uint32_t>(view.substr(std::min(comma + 1, view.size())));
+  if (!x || !y) throw UsageError("pixel", fmt::format("'{}' is not X,Y, two whole numbers", text), "--at");
+  return {*x, *y};
+}
+
 }  // namespace subpixel::cli

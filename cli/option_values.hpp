@@ -19,4 +19,7 @@ std::pair<std::uint32_t, std::uint32_t> parse_frames(const std::string& text);
 // "3:msaa": a frame and the name of a technique. Throws UsageError; whether there are such is for who reads it.
 std::pair<std::uint32_t, std::string> parse_frame_of_technique(const std::string& text);
 
+// "12,34": a pixel from the top left corner. Throws UsageError; whether the image has it is for who reads it.
+std::pair<std::uint32_t, std::uint32_t> parse_pixel(const std::string& text);
+
 }  // namespace subpixel::cli

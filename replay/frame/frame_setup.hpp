@@ -13,6 +13,8 @@
 
 namespace subpixel::replay {
 
+class PixelStory;
+
 // Images the technique allocated from its recorder and filled.
 struct FrameOutputs {
   gpu::Image* radiance = nullptr;  // RGBA32F: rgb linear radiance, a lighting executions of the pixel
@@ -43,6 +45,8 @@ struct FrameSetup : FrontendFrame {
   // moved since.
   std::vector<gpu::Image*> history;
   std::optional<FrameMotion> motion;
+  // Of frames of which a pixel's story is told: what techniques add theirs to.
+  PixelStory* story = nullptr;
 };
 
 // The same for a technique whose parameters are `P`. Throws std::bad_cast when they are another's.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "replay/frame/pixel_story.hpp"
 #include "replay/measure/percentiles.hpp"
 
 namespace subpixel::replay {
@@ -83,8 +84,10 @@ FrameSetup RecordedFrame::prepare() {
   return prepare_step(*temporal, scene_.frame(), 0, past_.get(), outputs_);
 }
 
-RecordedFrame::RecordedFrame(FrameScene& scene, const TechniqueSetting& setting)
+RecordedFrame::RecordedFrame(FrameScene& scene, const TechniqueSetting& setting, PixelStory* story)
     : scene_(scene), setting_(setting), past_(run_history()), setup_(prepare()), recorder_(scene.frontend.device()) {
+  if (story != nullptr) story->find_fragments(setup_);
+  setup_.story = story;
   setting_.technique->record(recorder_, setup_);
 }
 
@@ -142,6 +145,10 @@ std::map<std::string, std::uint64_t> RecordedFrame::count_fragments() {
     if (count > 0) fragments[timing.name] = count;
   }
   return fragments;
+}
+
+nlohmann::json RecordedFrame::story() {
+  return setup_.story->document(recorder_.device(), setup_);
 }
 
 FrameRun run_frame(FrameScene& scene, const TechniqueSetting& setting, std::uint32_t repeat) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,8 @@ FrameImages download_images(gpu::Device& device, const FrameOutputs& outputs);
 // meanwhile. Of techniques that accumulate frames, the frames before have been run, untimed, for their history.
 class RecordedFrame {
  public:
-  RecordedFrame(FrameScene& scene, const TechniqueSetting& setting);
+  // `story`: told by the passes, too, and by story().
+  RecordedFrame(FrameScene& scene, const TechniqueSetting& setting, PixelStory* story = nullptr);
   ~RecordedFrame() { scene_.set_jitter({0, 0}); }
   RecordedFrame(const RecordedFrame&) = delete;
   RecordedFrame& operator=(const RecordedFrame&) = delete;
@@ -48,6 +50,9 @@ class RecordedFrame {
 
   // What Shading::fragments says of every pass; counted on the spot.
   std::map<std::string, std::uint64_t> count_fragments();
+
+  // The pixel's story after a run of a frame that was recorded with one.
+  nlohmann::json story();
 
  private:
   // A frame whose outputs the next one reads.

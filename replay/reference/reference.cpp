@@ -36,7 +36,7 @@ Image image_of(const gpu::Buffer& pixels, std::uint32_t width, std::uint32_t hei
 // What one reference is made with; the passes refer to it.
 struct Work {
   std::vector<TriangleRun> runs;
-  gpu::Buffer corners, triangles, turn, sums, compensation, display_sums;
+  gpu::Buffer corners, triangles, turn, sums, compensation, display_sums, story;
   TextureTable textures;
 };
 
@@ -109,6 +109,23 @@ gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scen
   return pass;
 }
 
+// Moves what the turn's shading told to `told`.
+void take_story(Work& work, std::uint32_t turn, PixelReference& told) {
+  gpu_types::ReferenceStory& story = work.story.as<gpu_types::ReferenceStory>()[0];
+  for (std::uint32_t i = 0; i < story.head.z; ++i) {
+    const gpu_types::ReferenceShading& one = story.shading[i];
+    const glm::uvec4 source = work.triangles.as<gpu_types::ReferenceTriangle>()[one.of.x].source;
+    told.shadings.push_back({.turn = turn,
+                             .samples = one.of.y,
+                             .at = glm::vec2(one.at),
+                             .first_index = source.x,
+                             .instance = source.y,
+                             .material = source.z,
+                             .radiance = glm::vec3(one.radiance)});
+  }
+  story.head = {told.pixel, 0, 0};
+}
+
 }  // namespace
 
 ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
@@ -146,7 +163,14 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   gpu::Image& depth = turns.image(target);
 
   turns.raster(visibility_pass(scene, work, seen, depth));
-  gpu::ComputePass accumulate = pixel_pass("reference shading", "reference/accumulate.comp", scene, work, options);
+  gpu::ComputePass accumulate =
+      pixel_pass("reference shading", options.story ? "reference/accumulate.comp:STORY" : "reference/accumulate.comp",
+                 scene, work, options);
+  if (options.story != nullptr) {
+    work.story = gpu::Buffer(device, "reference story", sizeof(gpu_types::ReferenceStory));
+    work.story.as<gpu_types::ReferenceStory>()[0].head = {options.story->pixel, 0, 0};
+    accumulate.bindings.push_back(gpu::writes(REFERENCE_SLOT_STORY, work.story));
+  }
   accumulate.bindings.push_back(gpu::samples(REFERENCE_SLOT_SEEN, seen));
   accumulate.bindings.push_back(gpu::samples(FRAME_SLOT_SHADOW_MAP, scene.shadow_map, &scene.shadow_sampler));
   turns.compute(std::move(accumulate));
@@ -156,6 +180,7 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   for (std::uint32_t i = 0; i < constants.size(); ++i) {
     work.turn.as<gpu_types::TurnConstants>()[0] = constants[i];
     turns.run();
+    if (options.story != nullptr) take_story(work, i, *options.story);
     if (progress) progress(i + 1, static_cast<std::uint32_t>(constants.size()));
   }
   finish.run();

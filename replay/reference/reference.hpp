@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <glm/glm.hpp>
+#include <vector>
 
 #include "replay/measure/image.hpp"
 #include "replay/scene/gpu_scene.hpp"
@@ -11,9 +13,23 @@ namespace subpixel::replay {
 
 inline constexpr std::uint32_t kDefaultReferenceSamples = 512;
 
+// What one pixel of a reference was shaded by.
+struct PixelShading {
+  std::uint32_t turn = 0;
+  std::uint32_t samples = 0;                                  // bits of the turn's four that see the triangle
+  glm::vec2 at{0};                                            // where it was shaded, in the pixel, 0 to 1 each way
+  std::uint32_t first_index = 0, instance = 0, material = 0;  // of the triangle
+  glm::vec3 radiance{0};
+};
+struct PixelReference {
+  glm::uvec2 pixel{0};
+  std::vector<PixelShading> shadings;
+};
+
 struct ReferenceOptions {
   std::uint32_t samples = kDefaultReferenceSamples;  // visibility samples a pixel, by replay/results/limits.hpp, not 0
   std::uint32_t shading_model = 0;                   // SHADING_MODEL_ of shaders/include/interface.h
+  PixelReference* story = nullptr;                   // filled for its pixel
   bool tone_map_samples = false;  // the display image is the mean of tone-mapped samples, not the tone-mapped mean
 };
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "replay/frame/pixel_story.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/agaa/agaa_interface.h"
 
@@ -220,6 +221,7 @@ void record_shading(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image&
   pass.bindings.insert(pass.bindings.end(),
                        {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::reads(AGAA_SLOT_STATE, *state.table)});
   pass.push = gpu::PushConstants(gpu_types::AgaaShadePush{space.from_clip});
+  if (setup.story != nullptr) setup.story->record_lighting(recorder, pass, "techniques/agaa/shade.frag:STORY");
   recorder.raster(std::move(pass));
 }
 

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "replay/frontend/pixel_fragments.hpp"
+#include "replay/techniques/dcaa_story.hpp"
 #include "replay/techniques/dcaa_view.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "replay/techniques/ordered_state.hpp"
@@ -86,9 +88,9 @@ void record_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dc
   record_ordered(recorder, setup, r.state, std::move(geometry), "techniques/dcaa/merge.frag");
 }
 
-// The same state, prepass included, by passes over fragment lists.
+// The same state, prepass included, by passes over fragment lists. `steps`: of a story, which the merge then tells.
 void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form,
-                       const FragmentLists& lists, const Resources& r) {
+                       const FragmentLists& lists, const Resources& r, gpu::Buffer* steps = nullptr) {
   const ListedState listed(recorder, setup, lists, r.state, sizeof(gpu_types::DcaaListedSurface));
   ListedPass fragments;
   fragments.constants = common_constants(setup);
@@ -115,9 +117,13 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   pixels.name = "merge";
   pixels.shader = "techniques/dcaa/merge_lists.comp";
   listed.record_merge(pixels);
+  if (steps == nullptr) return;
+  pixels.shader = "techniques/dcaa/story.comp";
+  pixels.bindings.push_back(gpu::writes(DCAA_SLOT_STORY, *steps));
+  listed.record_merge(pixels);
 }
 
-void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, const Resources& r) {
+gpu::RasterPass shading_pass(const FrameSetup& setup, const DcaaForm& form, const Resources& r) {
   const bool lobes = (form.options & DCAA_DISTRIBUTION) != 0;
   gpu::RasterPass pass = lighting_pass(setup, "resolve and shade",
                                        "techniques/dcaa/shade.frag:" + r.state.variant() + (lobes ? "_LOBES" : ""));
@@ -128,11 +134,35 @@ void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const 
     gpu::append(pass.pipeline.constants,
                 {{AGAA_CONSTANT_SHADOW_TAPS, form.shadow_taps}, {AGAA_CONSTANT_OPTIONS, moments ? AGAA_SGGX : 0u}});
   }
-  pass.colours = make_outputs(recorder, setup);
   pass.bindings.push_back(gpu::reads(DCAA_SLOT_TABLE, *r.table));  // declared with the masks' own functions, not read
   pass.bindings.push_back(gpu::reads(DCAA_SLOT_VIEW, *r.view));
   r.state.bind(pass);
+  return pass;
+}
+
+void record_shading(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, const Resources& r) {
+  gpu::RasterPass pass = shading_pass(setup, form, r);
+  pass.colours = make_outputs(recorder, setup);
   recorder.raster(std::move(pass));
+}
+
+// The pixel's fragments, and no others, once more through the passes over lists.
+void record_story(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form) {
+  PixelStory& story = *setup.story;
+  const FragmentLists lists = pixel_lists(recorder, setup, story.pixel(), story.fragments(), ListedMasks::later);
+  const Resources own = make_resources(recorder, setup, form, true);
+  gpu::Buffer& steps = story.record_log<gpu_types::DcaaStep>(recorder, "dcaa steps", lists.count);
+  record_list_merge(recorder, setup, form, lists, own, &steps);
+  gpu::RasterPass pass = shading_pass(setup, form, own);
+  pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  const bool lobes = (form.options & DCAA_DISTRIBUTION) != 0;
+  story.record_lighting(recorder, std::move(pass),
+                        std::string("techniques/dcaa/shade.frag:") + (lobes ? "STORY_LOBES" : "STORY"));
+  story.tell("steps", [&story, &steps, form, listed = lists.fragments] {
+    return dcaa_steps(story, form, PixelStory::log_of<gpu_types::DcaaStep>(steps), listed->as<glm::uvec4>());
+  });
+  story.tell("surfaces",
+             [&steps, form] { return dcaa_surfaces(form, PixelStory::log_of<gpu_types::DcaaStep>(steps)); });
 }
 
 void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, const Resources& r) {
@@ -225,6 +255,7 @@ void record_dcaa(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dca
   }
   record_shading(recorder, setup, form, resources);
   record_maps(recorder, setup, form, resources);
+  if (setup.story != nullptr) record_story(recorder, setup, form);
 }
 
 }  // namespace subpixel::replay

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/error.hpp"
+#include "replay/frame/pixel_story.hpp"
 #include "replay/frontend/list_passes.hpp"
 #include "replay/frontend/visibility.hpp"
 #include "shaders/deferred/deferred_interface.h"
@@ -166,6 +167,7 @@ void record_sample_shading(gpu::PassRecorder& recorder, const FrameSetup& setup,
   pass.clear_colours = {{}};
   pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
   pass.bindings.push_back(gpu::samples(SHADE_SLOT_GBUFFER, gbuffer));
+  if (setup.story != nullptr) setup.story->record_lighting(recorder, pass, "shade/samples.frag:STORY");
   recorder.raster(std::move(pass));
 }
 

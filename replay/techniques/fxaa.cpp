@@ -1,6 +1,7 @@
 // Deferred shading of one sample, then a filter over the finished image that smooths steps along edges of luminance.
 // The idea is that of Lottes 2009, "FXAA" (and Reshetov 2009, "Morphological antialiasing"); the filter is our own. It
 // needs no geometry memory and can't show what one sample a pixel missed.
+#include "replay/frame/pixel_story.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/fxaa/fxaa_interface.h"
 
@@ -45,6 +46,7 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
   gpu::Image& sum = record_shaded_samples(recorder, setup);
   record_resolve(recorder, setup, sum);
   record_filter(recorder, setup, sum);
+  if (setup.story != nullptr) setup.story->leave_out("what the filter over edges makes of the pixel");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "replay/frame/pixel_story.hpp"
 #include "replay/frontend/list_passes.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/linked_list/linked_list_interface.h"
@@ -144,6 +145,7 @@ void record_shading(gpu::PassRecorder& recorder, const LinkedListSetup& setup, c
   if (by_blocks(setup)) record_block_lighting(recorder, setup.scene.frame_constants, lists, pass);
   pass.colours = make_outputs(recorder, setup);
   bind(pass, lists);
+  if (setup.story != nullptr) setup.story->record_lighting(recorder, pass, "techniques/linked_list/shade.frag:STORY");
   recorder.raster(std::move(pass));
 }
 

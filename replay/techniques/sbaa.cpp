@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "replay/frame/pixel_story.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/sbaa/sbaa_interface.h"
 
@@ -106,6 +107,7 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
   shade.bindings.insert(shade.bindings.end(),
                         {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(SBAA_SLOT_SURFACES, stored),
                          gpu::samples(SBAA_SLOT_GBUFFER, gbuffer), gpu::samples(SBAA_SLOT_DROPPED, dropped)});
+  if (setup.story != nullptr) setup.story->record_lighting(recorder, shade, "techniques/sbaa/shade.frag:STORY");
   recorder.raster(std::move(shade));
   record_resolve(recorder, setup, sum);
 }

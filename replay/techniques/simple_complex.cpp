@@ -2,6 +2,7 @@
 // rendering for current and future rendering pipelines", the baseline of the streaming and the aggregate papers. All n
 // samples of the G-buffer are kept, since pixels are classified before any is shaded. Complex pixels are gathered in a
 // list, so that the lanes of a group all have n samples to shade.
+#include "replay/frame/pixel_story.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/simple_complex/simple_complex_interface.h"
 
@@ -64,6 +65,8 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
   simple.bindings.push_back(gpu::samples(SIMPLE_COMPLEX_SLOT_FLAGS, flags));
   const std::vector<gpu::Binding> lights = lighting_pass(setup, "", "").bindings;
   const gpu::Constants constants = simple.pipeline.constants;
+  if (setup.story != nullptr)
+    setup.story->record_lighting(recorder, simple, "techniques/simple_complex/simple.frag:STORY");
   recorder.raster(std::move(simple));
 
   if (compact) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "replay/frame/pixel_story.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "replay/techniques/smaa_areas.hpp"
 #include "shaders/techniques/smaa/smaa_interface.h"
@@ -105,6 +106,7 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
   gpu::Image& edges = record_edges(recorder, setup, preset.threshold);
   gpu::Image& weights = record_weights(recorder, setup, preset, edges);
   record_blend(recorder, setup, sum, edges, weights);
+  if (setup.story != nullptr) setup.story->leave_out("what edges and weights make of the pixel");
 }
 
 }  // namespace

@@ -6,7 +6,9 @@
 #include <bit>
 #include <cmath>
 
+#include "replay/frontend/pixel_fragments.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "replay/techniques/streaming_story.hpp"
 #include "shaders/techniques/streaming/streaming_interface.h"
 
 namespace subpixel::replay {
@@ -45,9 +47,9 @@ void record_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup
   record_ordered(recorder, setup, state, std::move(geometry), "techniques/streaming/compress.frag");
 }
 
-// The same state by passes over fragment lists.
+// The same state by passes over fragment lists. `steps`: of a story, which the merge then tells.
 void record_list_compression(gpu::PassRecorder& recorder, const StreamingSetup& setup, const FragmentLists& lists,
-                             const OrderedState& state) {
+                             const OrderedState& state, gpu::Buffer* steps = nullptr) {
   const ListedState listed(recorder, setup, lists, state, sizeof(gpu_types::StreamListedSurface));
   ListedPass fragments;
   fragments.constants = common_constants(setup);
@@ -72,14 +74,42 @@ void record_list_compression(gpu::PassRecorder& recorder, const StreamingSetup& 
   pixels.name = "merge";
   pixels.shader = "techniques/streaming/merge.comp";
   listed.record_merge(pixels);
+  if (steps == nullptr) return;
+  pixels.shader = "techniques/streaming/story.comp";
+  pixels.bindings = {gpu::writes(STREAM_SLOT_STORY, *steps)};
+  listed.record_merge(pixels);
+}
+
+gpu::RasterPass shading_pass(const StreamingSetup& setup, const OrderedState& state) {
+  gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/streaming/shade.frag:" + state.variant());
+  gpu::append(pass.pipeline.constants, streaming_constants(setup));
+  state.bind(pass);
+  return pass;
 }
 
 void record_shading(gpu::PassRecorder& recorder, const StreamingSetup& setup, const OrderedState& state) {
-  gpu::RasterPass pass = lighting_pass(setup, "shade", "techniques/streaming/shade.frag:" + state.variant());
-  gpu::append(pass.pipeline.constants, streaming_constants(setup));
+  gpu::RasterPass pass = shading_pass(setup, state);
   pass.colours = make_outputs(recorder, setup);
-  state.bind(pass);
   recorder.raster(std::move(pass));
+}
+
+// The pixel's fragments, and no others, once more through the passes over lists.
+void record_story(gpu::PassRecorder& recorder, const StreamingSetup& setup) {
+  PixelStory& story = *setup.story;
+  const FragmentLists lists = pixel_lists(recorder, setup, story.pixel(), story.fragments(), ListedMasks::collected);
+  const std::uint32_t quads = STREAM_STATE_QUADS(setup.samples, setup.scene.features().bits, setup.parameters.surfaces);
+  const OrderedState state = make_ordered_state(recorder, setup, "streaming story", quads, true);
+  gpu::Buffer& steps = story.record_log<gpu_types::StreamStep>(recorder, "streaming steps", lists.count);
+  record_list_compression(recorder, setup, lists, state, &steps);
+  gpu::RasterPass pass = shading_pass(setup, state);
+  pass.colours = {{*setup.outputs.radiance}, {*setup.outputs.display}};
+  story.record_lighting(recorder, std::move(pass), "techniques/streaming/shade.frag:STORY");
+  story.tell("steps", [&story, &steps, parameters = setup.parameters] {
+    return streaming_steps(story, parameters, PixelStory::log_of<gpu_types::StreamStep>(steps));
+  });
+  story.tell("surfaces", [&steps, parameters = setup.parameters] {
+    return streaming_surfaces(parameters, PixelStory::log_of<gpu_types::StreamStep>(steps));
+  });
 }
 
 void record_maps(gpu::PassRecorder& recorder, const StreamingSetup& setup, const OrderedState& state) {
@@ -112,6 +142,7 @@ OrderedState record_streaming(gpu::PassRecorder& recorder, const StreamingSetup&
   }
   record_shading(recorder, setup, state);
   record_maps(recorder, setup, state);
+  if (setup.story != nullptr) record_story(recorder, setup);
   return state;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "replay/frame/pixel_story.hpp"
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/taa/taa_interface.h"
@@ -81,6 +82,7 @@ void record_accumulate(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
 void record(gpu::PassRecorder& recorder, const Setup& setup) {
   const VisibleFragments visible = record_visible(recorder, setup);
   record_accumulate(recorder, setup, *visible.visibility, record_shaded_samples(recorder, setup, visible));
+  if (setup.story != nullptr) setup.story->leave_out("how the frames before go into the pixel");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "replay/techniques/visible_shading.hpp"
 
+#include "replay/frame/pixel_story.hpp"
 #include "replay/techniques/deferred.hpp"
 
 namespace subpixel::replay {
@@ -27,6 +28,7 @@ void record_visible_resolve(gpu::PassRecorder& recorder, const FrameSetup& setup
   pass.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
   recorder.compute(std::move(pass));
   record_resolve(recorder, setup, sum);
+  if (setup.story != nullptr) setup.story->tell_listed_values(setup, lists);
 }
 
 }  // namespace subpixel::replay

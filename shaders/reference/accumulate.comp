@@ -1,7 +1,8 @@
+// variants: = STORY=-DSTORY
 // Computes: one turn's colour of each pixel. Each triangle that some of the pixel's four samples see is shaded once, at the
 // place of one of them (another one each turn, so that over all turns shading points cover the pixel evenly).
 // Reads: the triangle seen by each sample, geometry, materials, textures, lights, shadow map.
-// Writes: adds to the sums, with Kahan's compensation.
+// Writes: adds to the sums, with Kahan's compensation; STORY, what one pixel was shaded by.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -12,6 +13,9 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = REFERENCE_CONSTANT_TONE_MAP_SAMPLES) const uint TONE_MAP_SAMPLES = 0u;
 layout(set = 0, binding = SAMPLED(REFERENCE_SLOT_SEEN)) uniform usampler2D visibility;
+#ifdef STORY
+layout(set = 0, binding = STORAGE(REFERENCE_SLOT_STORY), std430) buffer Story { ReferenceStory told; };
+#endif
 
 vec3 normal_of(ReferenceTriangle t, vec3 local) {
   InstanceRecord instance = push.instances.at[t.source.y];
@@ -78,6 +82,14 @@ void main() {
     remaining &= ~same;
     float count = float(bitCount(same));
     vec3 shaded = shade_at(number - 1u, vec2(pixel) + sample_place(first));
+#ifdef STORY
+    for (bool tell = pixel == told.head.xy; tell; tell = false) {
+      told.shading[told.head.z].of = uvec4(number - 1u, same, 0u, 0u);
+      told.shading[told.head.z].at = vec4(sample_place(first), 0.0, 0.0);
+      told.shading[told.head.z].radiance = vec4(shaded, 1.0);
+      told.head.z += 1u;
+    }
+#endif
     radiance += count * shaded;
     if (TONE_MAP_SAMPLES != 0u) display += count * display_from_radiance(shaded);
   }

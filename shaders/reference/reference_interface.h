@@ -10,6 +10,7 @@
 #define REFERENCE_SLOT_TURN 0
 #define REFERENCE_SLOT_LEVELS 1
 #define REFERENCE_SLOT_MATERIAL_TEXTURES 2
+#define REFERENCE_SLOT_STORY 3  // of accumulate.comp:STORY
 // Sampled.
 #define REFERENCE_SLOT_SEEN 0
 
@@ -44,6 +45,17 @@ struct TurnConstants {
   uvec4 number;  // x: number of the turn, y: turns in all
 };
 
+// What one pixel was shaded by in a turn.
+struct ReferenceShading {
+  uvec4 of;  // the triangle's number, those of the four samples that see it
+  vec4 at;   // in the pixel, 0 to 1 each way
+  vec4 radiance;
+};
+struct ReferenceStory {
+  uvec4 head;  // pixel, shadings
+  ReferenceShading shading[4];
+};
+
 // Members are in triangles.glsl.
 BUFFER_REFERENCE(Corners)
 BUFFER_REFERENCE(Triangles)
@@ -75,6 +87,7 @@ struct ReferencePush {
 static_assert(sizeof(ReferencePush) == 104);
 static_assert(sizeof(ReferenceTriangle) == 16);
 static_assert(sizeof(TurnConstants) == 32);
+static_assert(sizeof(ReferenceStory) == 16 + 4 * 48);
 }  // namespace subpixel::gpu_types
 #endif
 #endif

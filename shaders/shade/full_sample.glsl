@@ -9,6 +9,7 @@
 #include "include/resolve.glsl"
 #include "frontend/sample_patterns.h"
 #include "shade/shade_interface.h"
+#include "story/lighting.glsl"
 
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 layout(set = 0, binding = SAMPLED(SHADE_SLOT_GBUFFER)) uniform usampler2DArray gbuffer;
@@ -31,6 +32,8 @@ vec4 full_sample_value(ivec2 pixel, uint s, uint layer) {
     Surface surface = surface_of_stored(texelFetch(gbuffer, ivec3(pixel, layer), 0));
     surface.position = world_position(position, uintBitsToFloat(depth));
     value = vec4(resolvable(shade(surface, normalize(frame.eye.xyz - surface.position))), 1.0);
+    TELL_EXECUTION(pixel, s, 1u, s < 32u ? uvec2(1u << s, 0u) : uvec2(0u, 1u << (s & 31u)), surface.position,
+                   value.rgb);
   }
   return value;
 }

@@ -1,5 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // Shades every covered sample of a G-buffer of full samples and adds up the pixel; the sky shows in the others.
 // Reads: visibility, G-buffer (one layer for each of GROUP_SAMPLES samples, or of all), shadow map. Writes (additively):
 // rgb the sum of the samples' resolvable values, a the lighting executions.

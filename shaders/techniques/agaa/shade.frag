@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // Aggregate deferred shading (AGAA paper, section 3.5): one lighting execution for each aggregate of a pixel, composited by
 // samples over the sky.
 // Reads: visibility (slot 0), the pixel's aggregates, shadow map.
@@ -14,6 +15,7 @@ layout(constant_id = AGAA_CONSTANT_AGGREGATES) const uint AGGREGATES = 2u;
 #include "techniques/agaa/shading.glsl"
 #include "techniques/agaa/footprint.glsl"
 #include "techniques/agaa/sums_access.glsl"
+#include "story/lighting.glsl"
 
 layout(push_constant, scalar) uniform Push { AgaaShadePush push; };
 layout(location = 0) out vec4 out_radiance;
@@ -30,7 +32,9 @@ void main() {
       Aggregate a = aggregate_of_words(stored_words(pixel, k), frame.tone.y, state.largest_emission);
       vec3 view;
       Footprint footprint = aggregate_footprint(push.view_from_clip, pixel, mask, view);
-      sum += float(int(bitCount(mask))) * resolvable(shade_aggregate(a, footprint, view));
+      vec3 value = resolvable(shade_aggregate(a, footprint, view));
+      TELL_EXECUTION(pixel, k, uint(bitCount(mask)), uvec2(mask, 0u), footprint.mean, value);
+      sum += float(int(bitCount(mask))) * value;
       shaded += bitCount(mask);
       ++executions;
     }

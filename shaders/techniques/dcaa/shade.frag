@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: IMAGE=-DIMAGE BUFFER= IMAGE_LOBES=-DIMAGE,-DLOBES BUFFER_LOBES=-DLOBES
+// variants: IMAGE=-DIMAGE BUFFER= IMAGE_LOBES=-DIMAGE,-DLOBES BUFFER_LOBES=-DLOBES STORY=-DSTORY STORY_LOBES=-DSTORY,-DLOBES
 // Final depth resolve (Wang et al. 2015, section 3.4): the nearest plane at each sample, one lighting execution for each
 // surface that any sample shows, weights n_i / N; samples that nothing covers show the sky.
 // Reads: the pixel's state, the camera, shadow map. Writes: linear radiance with the lighting executions in
@@ -21,6 +21,7 @@ layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "techniques/dcaa/merge.glsl"
 #include "techniques/dcaa/state.glsl"
 #include "techniques/dcaa/state_read.glsl"
+#include "story/lighting.glsl"
 
 // Surfaces that show fewer samples are lit as part of the nearest.
 layout(constant_id = DCAA_CONSTANT_LEAST_SHOWN) const uint LEAST_SHOWN = 0u;
@@ -196,7 +197,10 @@ void main() {
         samples = here ? shown[i] : samples;
       }
       uint here = dcaa_count(samples);
-      sum += float(int(here)) * resolvable(radiance_of(s, slope, samples));
+      vec3 value = resolvable(radiance_of(s, slope, samples));
+      TELL_EXECUTION(pixel, which, here, samples,
+                     place_at(samples != kWholePixel ? mask_centroid(samples) : vec2(0.0), s.depth, slope), value);
+      sum += float(int(here)) * value;
       covered += here;
       ++executions;
     }

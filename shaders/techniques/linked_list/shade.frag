@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // The lighting pass: one lighting execution for each block of the pixel's list, weighted by its samples; or, when light.comp
 // has lit the dynamic blocks, of the pixel's own, and the sum.
 // Reads: visibility, blocks, shadow map. Writes: linear radiance with the lighting executions in a; display values.
@@ -11,6 +12,7 @@ layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "include/resolve.glsl"
 #include "techniques/linked_list/list.glsl"
 #include "techniques/linked_list/read_surface.glsl"
+#include "story/lighting.glsl"
 
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_display;
@@ -28,14 +30,18 @@ void main() {
     for (uint i = 0u; i < SAMPLES; ++i) link = s == i ? list.link[i] : link;
     uint block = link == 0u ? pixel_block(pixel) : link_block(link);
     uint count = link == 0u ? own_samples(list) : link_count(link);
-    sum += float(count) * lit_block(words, block, pixel, s);
+    vec3 value = lit_block(words, block, pixel, s);
+    TELL_EXECUTION(pixel, block, count, uvec2(1u << s, 0u), vec3(0.0), value);
+    sum += float(count) * value;
     shown += count;
   }
   if (LIGHTING == LINK_LIGHT_BLOCKS) {
     for (uint s = 0u; s < SAMPLES; ++s)
       for (bool listed = list.link[s] != 0u; listed; listed = false) {
         uint block = link_block(list.link[s]), count = link_count(list.link[s]);
-        sum += float(count) * unpack_lit(uvec2(words.word[block_word(block, 0u)], words.word[block_word(block, 1u)]));
+        vec3 value = unpack_lit(uvec2(words.word[block_word(block, 0u)], words.word[block_word(block, 1u)]));
+        TELL_EXECUTION(pixel, block, count, uvec2(1u << s, 0u), vec3(0.0), value);
+        sum += float(count) * value;
         shown += count;
       }
   }

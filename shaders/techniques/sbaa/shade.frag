@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // Shades the kept surfaces of a pixel; the samples of those that were not kept are left out of the mean.
 // Reads: visibility, surfaces, their G-buffer, samples not kept, shadow map.
 // Writes: rgb the sum of the samples' resolvable values, a the lighting executions.
@@ -12,6 +13,7 @@
 #include "frontend/sample_patterns.h"
 #include "techniques/sbaa/sbaa_interface.h"
 #include "techniques/sbaa/surface_words.glsl"
+#include "story/lighting.glsl"
 
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 layout(constant_id = SBAA_CONSTANT_SURFACES) const uint SURFACES = 4u;
@@ -49,6 +51,7 @@ void main() {
       Surface surface = surface_of_stored(texelFetch(gbuffer, ivec3(pixel, k), 0));
       surface.position = surface_position(pixel, word);
       vec3 value = resolvable(shade(surface, normalize(frame.eye.xyz - surface.position)));
+      TELL_EXECUTION(pixel, k, surface_samples(word), uvec2(1u << surface_first(word), 0u), surface.position, value);
       sum += value * float(surface_samples(word));
       weight += surface_samples(word);
       executions += 1.0;

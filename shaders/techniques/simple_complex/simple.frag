@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: SIMPLE= BOTH=-DWITH_COMPLEX
+// variants: SIMPLE= BOTH=-DWITH_COMPLEX STORY=-DWITH_COMPLEX,-DSTORY
 // Shades the pixels whose samples agree by their sample 0; BOTH: the complex ones too, sample by sample.
 // Reads: visibility, G-buffer of full samples, complex flags, shadow map.
 // Writes: rgb the sum of the samples' resolvable values, a the lighting executions; nothing for what is not its own.

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: BUFFER= TILED_IMAGE=-DTILED,-DIMAGE TILED_BUFFER=-DTILED
+// variants: BUFFER= TILED_IMAGE=-DTILED,-DIMAGE TILED_BUFFER=-DTILED STORY=-DSTORY
 // Resolve (Kerzner and Salvi 2014, section 3.3): visibility of each sample from the surfaces' planes, one lighting execution
 // for each surface that any sample shows, their mean by samples.
 // Reads: the pixel's state, shadow map. Writes: linear radiance with the lighting executions in a; display values.
@@ -14,6 +14,7 @@ layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/streaming/state.glsl"
 #include "techniques/streaming/state_read.glsl"
 #include "techniques/streaming/plane.glsl"
+#include "story/lighting.glsl"
 
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_display;
@@ -99,7 +100,9 @@ void main() {
       if (SAMPLES > 8u && ROUGHNESS_WORDS == 0u) lit.roughness = frame.tone.y;
       lit.position = world_position(gl_FragCoord.xy, stream_reversed_depth(clamp(s.depth, nearest, farthest), pixel));
       float weight = float(bitCount(samples));
-      sum += weight * resolvable(shade(lit, normalize(frame.eye.xyz - lit.position)));
+      vec3 value = resolvable(shade(lit, normalize(frame.eye.xyz - lit.position)));
+      TELL_EXECUTION(pixel, slot, uint(bitCount(samples)), uvec2(samples, 0u), lit.position, value);
+      sum += weight * value;
       covered += bitCount(samples);
       ++executions;
     }
