@@ -218,7 +218,12 @@ void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], ino
     dcaa_add_shown(word, surface, plane, fragment, own, ray, view);
 }
 
-// The same for one fragment alone.
+// The same where planes are not kept.
+uvec2 dcaa_not_hidden(uint count, DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment, vec3 ray, DcaaView view) {
+  DcaaPlane plane[DCAA_MAX_SURFACES];
+  for (uint i = 0u; i < SURFACES; ++i) plane[i] = dcaa_plane(surface[i], ray, view);
+  return dcaa_not_hidden(count, surface, plane, fragment, dcaa_plane(fragment, ray, view));
+}
 void dcaa_add(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], DcaaSurface fragment, vec3 ray, DcaaView view) {
   DcaaPlane plane[DCAA_MAX_SURFACES];
   for (uint i = 0u; i < SURFACES; ++i) plane[i] = dcaa_plane(surface[i], ray, view);

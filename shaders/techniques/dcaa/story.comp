@@ -36,14 +36,15 @@ DcaaSurface listed_surface(uint number) {
 }
 
 DcaaStorySurface story_of(DcaaSurface s, DcaaSurface fragment, vec3 ray, DcaaView camera) {
-  vec3 facet = dcaa_facet(s.facet), own = dcaa_facet(fragment.facet);
-  vec2 interval = dcaa_interval(facet, s.depth, ray, camera);
+  DcaaPlane plane = dcaa_plane(s, ray, camera), its = dcaa_plane(fragment, ray, camera);
+  vec3 facet = plane.normal, own = its.normal;
+  vec2 interval = dcaa_interval(plane, s.depth);
   precise float cosine = own.x * facet.x + own.y * facet.y + own.z * facet.z;
   DcaaStorySurface story;
   story.words = uvec4(s.coverage, s.facet.x, floatBitsToUint(s.depth));
   story.more = uvec4(s.albedo, s.normal, s.roughness, s.emission);
   story.facet = vec4(facet, s.depth);
-  story.interval = vec4(interval, cosine, dcaa_shared_depth(interval, dcaa_interval(own, fragment.depth, ray, camera)));
+  story.interval = vec4(interval, cosine, dcaa_shared_depth(interval, dcaa_interval(its, fragment.depth)));
   return story;
 }
 
