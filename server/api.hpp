@@ -45,6 +45,7 @@ class Api {
   void delete_capture(const std::string& hash, Response& response);
   void send_capture_file(const Request& request, const std::string& hash, Response& response) const;
   void send_blob(const Request& request, const std::string& hash, Response& response) const;
+  void send_story(const Request& request, const std::string& hash, Response& response);
   void post_tags(const std::string& hash, const Request& request, Response& response);
   // api_runs.cpp
   void route_runs(HttpServer& http);
@@ -77,6 +78,7 @@ class Api {
   std::stop_source stop_;
   std::atomic<std::size_t> followers_{0};  // clients that follow a run
   std::mutex captures_mutex_;              // a capture's file and its record come and go together
+  std::mutex story_mutex_;                 // held while a pixel's story is told
 };
 
 // A whole number from the query, `absent` without it. Throws HttpError 400 outside of [minimum, maximum].

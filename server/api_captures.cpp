@@ -74,6 +74,8 @@ void Api::route_captures(HttpServer& http) {
   http.Get("/api/captures/([0-9a-f]{32})/file", [this](const Request& request, Response& response) {
     send_capture_file(request, request.matches[1], response);
   });
+  http.Get("/api/captures/([0-9a-f]{32})/pixel",
+           [this](const Request& request, Response& response) { send_story(request, request.matches[1], response); });
   route_post(http, "/api/captures/([0-9a-f]{32})/tags",
              [this](const Request& request, Response& response) { post_tags(request.matches[1], request, response); });
   http.Delete("/api/captures/([0-9a-f]{32})",
@@ -166,6 +168,28 @@ void Api::send_capture_file(const Request& request, const std::string& hash, Res
                                   Exchange::current().send_file(file, part.first, part.length);
                                   return false;
                                 });
+}
+
+void Api::send_story(const Request& request, const std::string& hash, Response& response) {
+  if (!store_.capture(hash)) throw no_capture(hash);
+  const auto number = [&](const char* name, std::int64_t most, std::int64_t absent) {
+    return query_number(request, name, 0, most, absent);
+  };
+  constexpr std::int64_t kAny = UINT32_MAX;
+  std::vector<std::string> options{fmt::format("--technique={}", request.get_param_value("technique")),
+                                   fmt::format("--at={},{}", number("x", kAny, 0), number("y", kAny, 0)),
+                                   fmt::format("--frame={}", number("frame", kAny, 0)),
+                                   fmt::format("--samples={}", number("samples", kAny, 8)),
+                                   fmt::format("--reference-samples={}", number("reference_samples", kAny, 64))};
+  if (request.has_param("width"))
+    options.push_back(fmt::format("--size={}x{}", number("width", kAny, 0), number("height", kAny, 0)));
+  // A story takes a device for seconds; more at a time would only make all of them, and the runs, slower.
+  const std::unique_lock lock(story_mutex_, std::try_to_lock);
+  if (!lock)
+    throw HttpError(503, "the pixel's story is not told", "another one is being told; ask again in a moment", "");
+  response.set_header("Cache-Control", "no-store");
+  response.set_content(tell_story(folder_.capture(hash), options, options_.worker, stop_.get_token()),
+                       "application/json");
 }
 
 void Api::send_blob(const Request& request, const std::string& hash, Response& response) const {

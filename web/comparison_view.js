@@ -59,6 +59,7 @@ export class ComparisonView {
   #centre = null; // image coordinates in the middle of the canvas; null: fit
   #turn = 0;
   #pointer = {x: -1, y: -1};  // where it was last over the canvas
+  onpick = null;  // called with the pixel {x, y} that was clicked, or chosen by Enter under the pointer
   #resize = new ResizeObserver(() => this.#draw());
 
   constructor() {
@@ -70,7 +71,7 @@ export class ComparisonView {
         h('span.zoom', {}, zoomButton('Fit', 0, 'Whole image (key 0)'), zoomButton('1×', 1, 'One pixel each (key 1)'),
           zoomButton('4×', 4, 'Key 4'), zoomButton('8×', 8, 'Key 8'), zoomButton('16×', 16, 'Key 6')), this.#scaleText),
       this.#readout,
-      h('p.quiet.help', {}, 'Drag to move, wheel or + and − to zoom, arrow keys to move, comma and full stop to wipe, B to blink between the two.'));
+      h('p.quiet.help', {}, 'Drag to move, wheel or + and − to zoom, arrow keys to move, comma and full stop to wipe, B to blink between the two. A click tells the pixel\'s story, Enter that of the pixel under the pointer.'));
     this.#listen();
     this.#resize.observe(this.#canvas);
   }
@@ -223,7 +224,7 @@ export class ComparisonView {
     let drag = null;
     canvas.addEventListener('pointerdown', (event) => {
       canvas.setPointerCapture(event.pointerId);
-      drag = {wipe: nearLine(at(event)), ...at(event)};
+      drag = {wipe: nearLine(at(event)), ...at(event), from: at(event)};
     });
     canvas.addEventListener('pointermove', (event) => {
       const point = at(event);
@@ -237,7 +238,12 @@ export class ComparisonView {
         Object.assign(drag, point);
       }
     });
-    for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, () => (drag = null));
+    canvas.addEventListener('pointerup', (event) => {
+      const point = at(event);
+      if (drag && !drag.wipe && Math.hypot(point.x - drag.from.x, point.y - drag.from.y) < 3) this.#pick(point);
+      drag = null;
+    });
+    canvas.addEventListener('pointercancel', () => (drag = null));
     canvas.addEventListener('wheel', (event) => {
       event.preventDefault();
       if (!this.#left) return;
@@ -255,12 +261,21 @@ export class ComparisonView {
         0: () => this.#zoomTo(0), 1: () => this.#zoomTo(1), 4: () => this.#zoomTo(4), 8: () => this.#zoomTo(8), 6: () => this.#zoomTo(16),
         ',': () => this.#setWipe(this.#share - 0.02), '.': () => this.#setWipe(this.#share + 0.02),
         b: () => this.#setWipe(this.#share > 0.5 ? 0 : 1),
+        Enter: () => this.#pick(this.#pointer),
       };
       const action = actions[event.key];
       if (!action) return;
       event.preventDefault();
       action();
     });
+  }
+
+  #pick({x, y}) {
+    if (!this.#left || !this.onpick) return;
+    const place = this.#placement();
+    const pixel = {x: Math.floor((x - place.x) / place.scale), y: Math.floor((y - place.y) / place.scale)};
+    const {naturalWidth, naturalHeight} = this.#left.image;
+    if (pixel.x >= 0 && pixel.y >= 0 && pixel.x < naturalWidth && pixel.y < naturalHeight) this.onpick(pixel);
   }
 
   // Says what the images hold at a place of the canvas.

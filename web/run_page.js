@@ -4,6 +4,7 @@ import {legend, scaleOf} from './colour_scales.js';
 import {ComparisonView} from './comparison_view.js';
 import {announce, field, h, replace} from './dom.js';
 import {count, duration, fixed, techniqueLabel, when} from './format.js';
+import {PixelStory} from './pixel_story.js';
 import {advisor, costPlot} from './plots.js';
 import {defaultBaseline, executionHistogram, passBars, resultsTable, summarise} from './results_table.js';
 import {frameRange, runSize, statusPill} from './runs_page.js';
@@ -27,6 +28,7 @@ class RunPage {
   #other = 0;          // the technique it is compared with
   #what = 'reference'; // the view: reference, technique, or a map's role
   #view = new ComparisonView();
+  #story = new PixelStory();
   #stopFollowing = () => {};
   #lastWhat = null;    // the view drawn last
   #drawing = 0;
@@ -97,10 +99,14 @@ class RunPage {
       h('div.section-head', {}, h('h2', {}, 'Images'), h('div.field.frame', {},
         h('label', {}, 'Frame ', this.#frameText, this.#slider)),
       field('technique', this.#techniqueSelect), this.#otherField),
-      this.#chips, this.#view.element, this.#legend, this.#files, this.#details);
+      this.#chips, this.#view.element, this.#story.element, this.#legend, this.#files, this.#details);
   }
 
   start() {
+    this.#view.onpick = (pixel) => {
+      const {technique, parameters} = this.#rows[this.#row];
+      this.#story.show(this.#run, technique, parameters, this.#frame, pixel);
+    };
     this.#showRun();
     this.#draw();
     this.#stopFollowing = followRun(this.#run.id, {
