@@ -17,8 +17,8 @@
 #include "cli/replay_verbs.hpp"
 #include "cli/service_verbs.hpp"
 #include "cli/store_verbs.hpp"
-#include "cli/token_verbs.hpp"
 #include "cli/story_verbs.hpp"
+#include "cli/token_verbs.hpp"
 #include "server/store/sqlite.hpp"
 
 namespace {

@@ -10,6 +10,7 @@
 
 #include "base/json_text.hpp"
 #include "cli/option_values.hpp"
+#include "process/confinement.hpp"
 #include "replay/story.hpp"
 
 namespace subpixel::cli {
@@ -27,6 +28,7 @@ int tell(const StoryFlags& flags) {
   job.techniques = replay::parse_technique_list(flags.techniques);
   std::tie(job.x, job.y) = parse_pixel(flags.at);
   if (!flags.size.empty()) std::tie(job.width, job.height) = replay::parse_size(flags.size, "--size");
+  forbid_programs();  // the service runs this for captures of others
   const nlohmann::json story = replay::tell_pixel(job, flags.device);
   std::cout << (flags.as_json ? json_text(story, 1) + "\n" : replay::story_text(story));
   return 0;

@@ -119,6 +119,21 @@ void Api::route_captures(Routes& routes) {
        .answers =
            {{200, "application/octet-stream"}, {206, "application/octet-stream"}, {304, ""}, {404, ""}, {416, ""}}},
       [this](const Request& request, Response& response) { send_capture_file(request, request.matches[1], response); });
+  const std::string number = R"({"type":"integer","minimum":0})";
+  routes.add({.method = "GET",
+              .path = "/api/captures/{hash}/pixel",
+              .id = "tell_story",
+              .meaning = "What happens in a pixel of a frame, by a technique, msaa and the reference",
+              .answers = {{200, "PixelStory"}, {400, ""}, {404, ""}, {422, ""}, {500, ""}, {503, ""}},
+              .query = {{"technique", R"({"type":"string"})", "as the command line has it"},
+                        {"x", number, "pixels from the left"},
+                        {"y", number, "pixels from the top"},
+                        {"frame", number, "its number"},
+                        {"width", number, "of the image, pixels; as recorded when absent"},
+                        {"height", number, "the same"},
+                        {"samples", number, "of techniques that do not say how many"},
+                        {"reference_samples", number, "0: no reference"}}},
+             [this](const Request& request, Response& response) { send_story(request, request.matches[1], response); });
   routes.add({.method = "POST",
               .path = "/api/captures/{hash}/tags",
               .id = "set_tags",
@@ -272,6 +287,28 @@ void Api::send_capture_file(const Request& request, const std::string& hash, Res
                                   Exchange::current().send_file(file, part.first, part.length);
                                   return false;
                                 });
+}
+
+void Api::send_story(const Request& request, const std::string& hash, Response& response) {
+  if (!store_.capture(hash)) throw no_capture(hash);
+  const auto number = [&](const char* name, std::int64_t most, std::int64_t absent) {
+    return query_number(request, name, 0, most, absent);
+  };
+  constexpr std::int64_t kAny = UINT32_MAX;
+  std::vector<std::string> options{fmt::format("--technique={}", request.get_param_value("technique")),
+                                   fmt::format("--at={},{}", number("x", kAny, 0), number("y", kAny, 0)),
+                                   fmt::format("--frame={}", number("frame", kAny, 0)),
+                                   fmt::format("--samples={}", number("samples", kAny, 8)),
+                                   fmt::format("--reference-samples={}", number("reference_samples", kAny, 64))};
+  if (request.has_param("width"))
+    options.push_back(fmt::format("--size={}x{}", number("width", kAny, 0), number("height", kAny, 0)));
+  // A story takes a device for seconds; more at a time would only make all of them, and the runs, slower.
+  const std::unique_lock lock(story_mutex_, std::try_to_lock);
+  if (!lock)
+    throw HttpError(503, "the pixel's story is not told", "another one is being told; ask again in a moment", "");
+  response.set_header("Cache-Control", "no-store");
+  response.set_content(tell_story(folder_.capture(hash), options, options_.worker, stop_.get_token()),
+                       "application/json");
 }
 
 void Api::send_blob(const Request& request, const std::string& hash, Response& response) const {

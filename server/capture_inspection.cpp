@@ -72,4 +72,30 @@ CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOpt
   }
 }
 
+std::string tell_story(const std::filesystem::path& file, const std::vector<std::string>& options,
+                       const WorkerOptions& worker, std::stop_token stop) {
+  const std::string what = "the pixel's story is not told";
+  std::vector<std::string> arguments{worker.program.string(), "pixel", file.string(), "--json"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  ChildLimits limits = worker.limits;
+  limits.silence = limits.duration = std::min<std::chrono::milliseconds>(limits.silence, std::chrono::minutes(5));
+  limits.processor_s = 4 * static_cast<std::uint64_t>(limits.duration / std::chrono::seconds(1));
+  limits.confinement = confined(worker, {file}, {});
+  std::string output;
+  const ChildOutcome outcome = run_child(arguments, limits, std::move(stop), [&](std::string_view line) {
+    output.append(line) += '\n';
+    return output.size() <= kMaxSummaryBytes;
+  });
+  if (outcome.kind == ChildOutcome::Kind::stopped) throw HttpError(503, what, "the service is ending", "");
+  const std::string message = reader_message(outcome.error_tail, file);
+  if (outcome.kind == ChildOutcome::Kind::exited && outcome.code == kUsageExit)
+    throw HttpError(400, what, message, "query");
+  if (outcome.kind == ChildOutcome::Kind::exited && outcome.code == kInternalExit)
+    throw HttpError(500, what, message, "");
+  if (!outcome.reason.empty())
+    throw HttpError(422, what, message.empty() ? outcome.reason : message, file.filename().string());
+  if (!nlohmann::json::accept(output)) throw HttpError(500, what, "the worker's document is none", "");
+  return output;
+}
+
 }  // namespace subpixel::server

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <stop_token>
+#include <string>
+#include <vector>
 
 #include "process/child_process.hpp"
 #include "server/job_queue.hpp"
@@ -12,5 +15,10 @@ namespace subpixel::server {
 // Runs `program info FILE --json` and returns the fields of its summary. Name, hash, size and time are left to the
 // caller. Throws HttpError 422 with the reader's message when the file is no valid capture.
 CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOptions& worker, std::stop_token stop);
+
+// What `program pixel FILE` with `options` prints, one JSON document. Throws HttpError: 400 with the program's message
+// for options it refuses, 422 for a capture it can't read or a device that can't do it.
+std::string tell_story(const std::filesystem::path& file, const std::vector<std::string>& options,
+                       const WorkerOptions& worker, std::stop_token stop);
 
 }  // namespace subpixel::server

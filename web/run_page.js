@@ -8,6 +8,7 @@ import {count, duration, fixed, techniqueLabel, when} from './format.js';
 import {setKeys} from './keys.js';
 import {defaultBaseline, measured, measureOf, summarise} from './measures.js';
 import {OverFrames} from './over_frames.js';
+import {PixelStory} from './pixel_story.js';
 import {saveReport} from './report.js';
 import {arrange, executionHistogram, passBars, resultsTable, tableMarkdown} from './results_table.js';
 import {layerOf, rank, rolesOf, roleTitle} from './run_layers.js';
@@ -52,6 +53,7 @@ class RunPage {
     saveView(this.#address, state);
     this.#drawChips();
   });
+  #story = new PixelStory();
   #stopFollowing = () => {};
   #drawing = 0;
   #linesTimer = 0;
@@ -134,7 +136,7 @@ class RunPage {
       h('div.section-head', {}, h('h2', {}, 'Images'),
         last > first && h('div.field.frame', {}, h('label', {}, 'Frame ', this.#frameText, this.#slider)), last > first && this.#play,
         field('technique', this.#techniqueSelect)),
-      this.#chips, this.#imageState, this.#view.element, this.#layerList, this.#files,
+      this.#chips, this.#imageState, this.#view.element, this.#story.element, this.#layerList, this.#files,
       h('details', {}, h('summary', {}, 'Executions and counters'), this.#details),
       h('h2', {}, 'Measure against measure'), this.#scatter.element,
       last > first && [h('h2', {}, 'Over frames'), this.#lines.element],
@@ -144,6 +146,11 @@ class RunPage {
   }
 
   async start() {
+    this.#view.element.addEventListener('pixelchosen', ({detail: {x, y, layer}}) => {
+      const index = layer?.key.split(':')[0] ?? '*';  // a layer's key begins with its row, or "*" for the selected one
+      const {technique, parameters} = this.#rows[index === '*' ? this.#row : Number(index)] ?? this.#rows[this.#row];
+      this.#story.show(this.#run, technique, parameters, this.#frame, {x, y});
+    });
     this.#showRun();
     this.#view.restore(loadView(this.#address));
     const other = this.#address.number('with', 0);

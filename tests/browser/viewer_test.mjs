@@ -214,6 +214,19 @@ const tests = [
     await page.keyboard.press('0');
   }],
 
+  ["a click tells the pixel's story beside those of msaa and the reference, as text", async () => {
+    await page.locator('.view-canvas').scrollIntoViewIfNeeded();
+    const box = await page.locator('.view-canvas').boundingBox();
+    await page.mouse.click(box.x + box.width * 0.4, box.y + box.height * 0.5);
+    await page.locator('.pixel-story .story').first().waitFor({timeout});
+    assert.match(await page.locator('.pixel-story').innerText(), /Pixel \d+, \d+ of frame 0.*lighting executions.*covers.*reference/is);
+    await page.locator('.pixel-story .pattern circle').first().waitFor({state: 'attached'});
+    await counted(page.locator('.pixel-story b'), 0, 'a material\'s name is text');
+    await shot('pixel-story');
+    await page.getByRole('button', {name: 'Close'}).click();
+    assert.equal(await page.locator('.pixel-story').isVisible(), false);
+  }],
+
   ['the frame slider changes the images and the figures', async () => {
     const before = await shown();
     const figures = await page.locator('.results tbody').innerText();

@@ -137,6 +137,34 @@ TEST_F(Captures, MistakeOfTheReadersIsNotTheFiles) {
   EXPECT_NE(error.dump().find("please report it"), std::string::npos) << error;
 }
 
+TEST_F(Captures, PixelsStoryIsToldByAProcessOfItsOwn) {
+  const std::string hash = client().upload_fake({{"frames", 1}});
+  const std::string path = "/api/captures/" + hash + "/pixel?technique=streaming:surfaces%3D2&x=1&y=2&frame=0";
+  const json story = client().get(path);
+  const json& arguments = story.at("arguments");
+  for (const char* wanted : {"--technique=streaming:surfaces=2", "--at=1,2", "--frame=0"})
+    EXPECT_NE(std::find(arguments.begin(), arguments.end(), wanted), arguments.end()) << wanted << arguments;
+  const json refused =
+      error_of(client().http().Get(("/api/captures/" + hash + "/pixel?technique=msaa&x=4001&y=2")), 400);
+  EXPECT_NE(refused.at("why").get<std::string>().find("not within"), std::string::npos) << refused;
+  error_of(client().http().Get("/api/captures/" + hash + "/pixel?technique=msaa&x=-1&y=2"), 400);
+  error_of(client().http().Get("/api/captures/" + std::string(32, 'a') + "/pixel?technique=msaa&x=1&y=2"), 404);
+  const std::string fatal = client().upload_fake({{"frames", 1}, {"how", "pixel_kill"}});
+  const json ended = error_of(client().http().Get("/api/captures/" + fatal + "/pixel?technique=msaa&x=1&y=2"), 422);
+  EXPECT_NE(ended.at("why").get<std::string>().find("signal 9"), std::string::npos) << ended;
+  EXPECT_EQ(client().get("/api/health").at("status"), "ok");
+}
+
+TEST_F(Captures, OneStoryAtATime) {
+  const std::string hash = client().upload_fake({{"frames", 1}, {"story_ms", 1500}});
+  const std::string path = "/api/captures/" + hash + "/pixel?technique=msaa&x=1&y=2";
+  std::thread first([&] { EXPECT_EQ(Client(port()).http().Get(path)->status, 200); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  error_of(client().http().Get(path), 503);
+  first.join();
+  EXPECT_EQ(client().http().Get(path)->status, 200);
+}
+
 TEST_F(Captures, EmptyFileIsRefused) {
   error_of(client().upload(""), 422);
 }

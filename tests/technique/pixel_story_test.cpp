@@ -207,11 +207,11 @@ TEST(PixelStory, StreamingReplayedByTheTranscriptionIsTheFrame) {
   for (const auto& [scene, surfaces, samples] :
        {std::tuple{"grass", 3.0, 8.0}, std::tuple{"grass", 1.0, 16.0}, std::tuple{"foliage", 2.0, 8.0}}) {
     const ParameterValues given{{"surfaces", surfaces}, {"samples", samples}};
+    streaming_test::Options options;
+    options.surfaces = static_cast<std::uint32_t>(surfaces);
+    options.samples = static_cast<std::uint32_t>(samples);
     each_story(scene, "streaming", given, [&](const json& told, glm::vec3 radiance) {
       owners(told);
-      streaming_test::Options options;
-      options.surfaces = static_cast<std::uint32_t>(surfaces);
-      options.samples = static_cast<std::uint32_t>(samples);
       streaming_test::Compressor compressor(options);
       std::map<int, const json*> steps;
       for (const json& step : told["steps"]) steps[step["fragment"].get<int>()] = &step;

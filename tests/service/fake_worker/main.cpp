@@ -315,6 +315,54 @@ int work(const std::string& job_path) {
   return 0;
 }
 
+// The story of a pixel whose options are among the arguments. With x above 4000 it is refused.
+int tell(const std::vector<std::string>& arguments) {
+  const json fake = read_fake_capture(arguments[1]);
+  if (fake.value("how", "") == "pixel_kill") ::raise(SIGKILL);
+  std::this_thread::sleep_for(std::chrono::milliseconds(fake.value("story_ms", 0)));
+  for (const std::string& argument : arguments) {
+    if (argument.starts_with("--at=") && std::stoi(argument.substr(5)) > 4000) {
+      std::cerr << "subpixel: pixel: it is not within 0,0 and 63,35: --at\n";
+      return 2;
+    }
+  }
+  const json surface{{"normal", {0, 0, 1}},
+                     {"albedo", {0.5, 0.25, 0.125}},
+                     {"roughness", 0.8},
+                     {"metallic", 0},
+                     {"emissive", {0, 0, 0}}};
+  const json triangle{
+      {"draw", 3}, {"instance", 0}, {"triangle", 17}, {"material", 1}, {"material_name", "<b>leaf</b>"}};
+  const json fragment{{"number", 0},        {"triangle", triangle}, {"covers", "0x3"},
+                      {"passes", "0x3"},    {"surface", surface},   {"plane", {{"depth", 0.25}, {"dx", 0}, {"dy", 0}}},
+                      {"shaded_at", {0, 0}}};
+  const json result{{"radiance", {0.5, 0.25, 0.125}}, {"display", {0.7, 0.5, 0.3}}, {"executions", 1}};
+  const json story{{"technique", "streaming"},
+                   {"parameters", {{"surfaces", 3}}},
+                   {"samples", 2},
+                   {"pattern",
+                    {{{"at", {0.25, 0.25}}, {"fragment", 0}, {"depth", 0.25}},
+                     {{"at", {-0.25, -0.25}}, {"fragment", nullptr}, {"depth", 0}}}},
+                   {"fragments", {fragment}},
+                   {"steps", {{{"fragment", 0}, {"what", "stored as surface 0"}}}},
+                   {"maps", {{"merges", 0}}},
+                   {"executions", {{{"of", 0}, {"samples", "0x3"}, {"weight", 2}, {"value", {0.5, 0.25, 0.125}}}}},
+                   {"result", result}};
+  std::cout << json{{"arguments", arguments},
+                    {"pixel", {1, 2}},
+                    {"frame", 0},
+                    {"size", {64, 36}},
+                    {"capture", "fake"},
+                    {"stories", {story}},
+                    {"reference",
+                     {{"samples", 4},
+                      {"result", result},
+                      {"shadings", {{{"samples", 4}, {"triangle", triangle}, {"radiance", {0.5, 0.25, 0.125}}}}}}}}
+                   .dump(1)
+            << "\n";
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -322,6 +370,7 @@ int main(int argc, char** argv) {
   if (arguments.size() == 3 && arguments[0] == "info" && arguments[2] == "--json") return info(arguments[1]);
   if (arguments.size() == 3 && arguments[0] == "worker" && arguments[1] == "--job") return work(arguments[2]);
   if (arguments.size() == 3 && arguments[0] == "probe") return tests::probe(arguments[1], arguments[2]);
-  std::cerr << "usage: info FILE --json | worker --job FILE | probe WHAT PATH\n";
+  if (arguments.size() > 3 && arguments[0] == "pixel" && arguments[2] == "--json") return tell(arguments);
+  std::cerr << "usage: info FILE --json | worker --job FILE | pixel FILE --json OPTIONS | probe WHAT PATH\n";
   return 2;
 }
