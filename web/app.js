@@ -83,6 +83,7 @@ function setUpSignOut() {
     await showCaller();
     show();
   });
+}
 
 function switchTheme() {
   const dark = document.documentElement.dataset.theme

@@ -4,6 +4,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -67,12 +68,17 @@ void require_readable(const OIIO::ImageSpec& spec, const std::string& path) {
 // is cut short.
 void read_range(OIIO::ImageInput& input, int part, int first, int end, float* to, OIIO::stride_t stride_bytes,
                 const std::string& path) {
-  const bool read = input.read_image(part, 0, first, end, OIIO::TypeDesc::FLOAT, to, stride_bytes);
+  // Counts are numbers, not shares of 2^32: they come as they are, for round_integers().
+  const OIIO::TypeDesc type =
+      input.spec(part).format == OIIO::TypeDesc::UINT ? OIIO::TypeDesc::UINT : OIIO::TypeDesc::FLOAT;
+  const bool read = input.read_image(part, 0, first, end, type, to, stride_bytes);
   if (!read || input.has_error()) refuse(library_words(input.geterror(), path), path);
 }
 
 // The library multiplies by a rounded 1 / 255 or 1 / 65535. Divided, equal shares of different depths are equal floats.
 void round_integers(const OIIO::ImageSpec& spec, std::vector<float>& values) {
+  if (spec.format == OIIO::TypeDesc::UINT)
+    for (float& value : values) value = static_cast<float>(std::bit_cast<std::uint32_t>(value));
   const float steps = spec.format == OIIO::TypeDesc::UINT8 ? 255.0F : 65535.0F;
   if (spec.format != OIIO::TypeDesc::UINT8 && spec.format != OIIO::TypeDesc::UINT16) return;
   for (float& value : values) value = std::nearbyint(value * steps) / steps;

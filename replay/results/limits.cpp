@@ -16,8 +16,8 @@
 namespace subpixel::replay {
 namespace {
 
-constexpr std::array kLimits{kSamplesLimit,     kWidthLimit,      kHeightLimit,  kRepeatLimit,   kReferenceSamplesLimit,
-                             kPointLightsLimit, kTechniquesLimit, kResultsLimit, kPriorityLimit, kRetriesLimit};
+constexpr std::array kLimits{kSamplesLimit,     kWidthLimit,      kHeightLimit,   kRepeatLimit,  kReferenceSamplesLimit,
+                             kPointLightsLimit, kTechniquesLimit, kPriorityLimit, kRetriesLimit, kResultsLimit};
 constexpr std::size_t kMaxQuotedBytes = 40;
 static_assert(kPointLightsLimit.high == SUBPIXEL_MAX_POINT_LIGHTS);
 

@@ -277,7 +277,7 @@ class Replayed(unittest.TestCase):
             subprocess.run([os.environ["SUBPIXEL"], "replay", path, "--techniques", "noaa", "--reference-samples", "0",
                             "--repeat", "1", "--out", folder], check=True, stdout=subprocess.DEVNULL)
             exr = [os.path.join(at, name) for at, _, names in os.walk(folder) for name in names
-                   if name.endswith(".exr")]
+                   if name.endswith("_noaa.exr")]
             found = [depth.read_exr(exr[0], (channel,))[2][8][8] for channel in "RGB"]
         x, y = 200 / 255, 100 / 255
         wanted = (x, y, 0.5 + 0.5 * (1 - (2 * x - 1) ** 2 - (2 * y - 1) ** 2) ** 0.5)

@@ -154,9 +154,15 @@ class EveryLimit : public testing::TestWithParam<Limit> {
   }
 };
 
+// What only runs of the service have.
+bool is_of_the_queue(const Limit& limit) {
+  return limit.name == "priority" || limit.name == "retries";
+}
+
 TEST_P(EveryLimit, HoldsAtEveryDoorWithTheSameWords) {
   const Limit& limit = GetParam();
-  const std::map<std::string, Door> doors{{"engine", engine}, {"http", http}, {"nightly", nightly}};
+  std::map<std::string, Door> doors{{"http", http}};
+  if (!is_of_the_queue(limit)) doors.insert({{"engine", engine}, {"nightly", nightly}});
   for (const auto& [name, door] : doors) {
     SCOPED_TRACE(name);
     for (const std::uint64_t value : {limit.low, limit.high}) {
@@ -176,6 +182,7 @@ TEST_P(EveryLimit, HoldsOnTheCommandLineWithTheSameWords) {
     return expect_refusal(command_line(kReplay, limit.name, limit.high + 1), limit.high + 1);
   }
   for (const std::string& verb : {kReplay, kSubmit}) {
+    if (verb == kReplay && is_of_the_queue(limit)) continue;
     SCOPED_TRACE(verb);
     expect_refusal(command_line(verb, limit.name, limit.high + 1), limit.high + 1);
     if (limit.low > 0) expect_refusal(command_line(verb, limit.name, limit.low - 1), limit.low - 1);
@@ -187,6 +194,7 @@ TEST(CommandLine, TakesTheEndsOfAllLimits) {
     std::string low, high;
     for (const Limit& limit : limits()) {
       if (limit.name == "results" || limit.name == "techniques" || limit.name == "height") continue;
+      if (verb == kReplay && is_of_the_queue(limit)) continue;
       low += option(limit.name, limit.low);
       high += option(limit.name, limit.high);
     }
