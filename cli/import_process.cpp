@@ -215,10 +215,10 @@ void import_in_child(const std::string& in, const std::filesystem::path& out, co
     child_limits.silence = child_limits.duration;
     child_limits.address_space_bytes = limits.address_space_bytes;
     // Who imports on the command line may read what they may; the reader of someone else's file writes nothing but the
-    // capture, opens no connection and starts nothing.
-    child_limits.confinement = Confinement{{"/"}, {in_place ? file : folder->file().parent_path().string()}};
-    child_limits.confinement->runs_programs = is_renderdoc(in);
-    if (is_renderdoc(in)) child_limits.confinement->writable.push_back("/tmp");  // where X servers have their sockets
+    // capture, opens no connection and starts nothing. RenderDoc's own replay needs more than that: a display, a
+    // driver, its module's place.
+    if (!is_renderdoc(in))
+      child_limits.confinement = Confinement{{"/"}, {in_place ? file : folder->file().parent_path().string()}};
     outcome = run_child(arguments, child_limits, signals->stop_token(),
                         [&](std::string_view line) { return conversation.take(line); });
     const bool ended_well = outcome.kind == ChildOutcome::Kind::exited && outcome.code == 0 && conversation.summary();

@@ -80,6 +80,7 @@ TEST_F(Captures, SameFileFromManySidesAtOnceIsOne) {
   const std::string bytes = fake_capture({{"frames", 1}});
   std::vector<std::thread> senders;
   std::atomic<int> created{0}, known{0};
+  senders.reserve(8);
   for (int i = 0; i < 8; ++i) {
     senders.emplace_back([&] {
       Client mine(port());
