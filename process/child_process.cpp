@@ -86,7 +86,6 @@ struct Program {
   lower_limit(RLIMIT_AS, program.limits.address_space_bytes);
   lower_limit(RLIMIT_FSIZE, program.limits.file_bytes);
   lower_limit(RLIMIT_CPU, program.limits.processor_s, 1);  // SIGXCPU says why, SIGKILL a second later does not
-  lower_limit(RLIMIT_NOFILE, kDescriptors);
   // A core file of a crashed replay is gigabytes that nobody asked for.
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
@@ -98,8 +97,10 @@ struct Program {
   if (input < 0 || ::dup2(input, 0) < 0 || ::dup2(program.output, 1) < 0 || ::dup2(program.errors, 2) < 0) {
     ::_exit(kNotExecuted);
   }
-  // Connections and the store are closed on exec by whoever opened them; one that forgot must not matter.
-  ::syscall(SYS_close_range, 3u, ~0u, CLOSE_RANGE_CLOEXEC);
+  // Connections and the store are closed on exec by whoever opened them; one that forgot must not matter. They end here,
+  // for there may be thousands, and what comes now has to open files under a lower limit.
+  ::syscall(SYS_close_range, 3u, ~0u, 0u);
+  lower_limit(RLIMIT_NOFILE, kDescriptors);
   if (program.confinement != nullptr && !program.confinement->enter()) ::_exit(kNotConfined);
   ::execve(program.arguments[0], program.arguments, program.environment);
   ::_exit(kNotExecuted);

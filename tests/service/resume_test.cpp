@@ -114,7 +114,7 @@ TEST(Resume, GracefulEndWaitsForNobody) {
     ServiceProcess service(folder.path() / "data");
     Client client(service.port());
     run = client.start_run(client.upload_fake({{"frames", 1}, {"fail_at", 0}, {"how", "hang"}, {"times", 1}}));
-    while (client.get("/api/runs/" + std::to_string(run)).at("status") != "running") {
+    while (client.get("/api/runs/" + std::to_string(run)).at("progress").is_null()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     const int port = service.port();
