@@ -52,6 +52,13 @@ class Service:
     def download_capture(self, hash):
         return self._ask('GET', f'/api/captures/{_part(hash)}/file')
 
+    def tell_story(self, hash, *, technique=None, x=None, y=None, frame=None, width=None, height=None, samples=None,
+                   reference_samples=None):
+        """What happens in a pixel; `technique` as the command line has it."""
+        return self._ask('GET', f'/api/captures/{_part(hash)}/pixel', {
+            'technique': technique, 'x': x, 'y': y, 'frame': frame, 'width': width, 'height': height,
+            'samples': samples, 'reference_samples': reference_samples})
+
     def set_tags(self, hash, body):
         """`body`: {'tags': [...]}, which replace those it has."""
         return self._ask('POST', f'/api/captures/{_part(hash)}/tags', body=body)

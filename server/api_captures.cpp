@@ -92,8 +92,7 @@ void Api::route_captures(Routes& routes) {
        .id = "upload_capture",
        .meaning = "Stores the body, an .spcap file, or the capture it makes of a .glb, .zip or .rdc",
        .right = Right::submit,
-       .answers =
-           {{201, "UploadedCapture"}, {200, "UploadedCapture"}, {409, ""}, {413, ""}, {415, ""}, {422, ""}, {503, ""}},
+       .answers = {{201, "UploadedCapture"}, {200, "UploadedCapture"}, {409, ""}, {413, ""}, {415, ""}, {422, ""}},
        .query = {{"name", R"({"type":"string"})", "the file's name"}},
        .body = "application/octet-stream"},
       [this](const Request& request, Response& response) { post_capture(request, response); });
@@ -124,7 +123,7 @@ void Api::route_captures(Routes& routes) {
               .path = "/api/captures/{hash}/pixel",
               .id = "tell_story",
               .meaning = "What happens in a pixel of a frame, by a technique, msaa and the reference",
-              .answers = {{200, "PixelStory"}, {400, ""}, {404, ""}, {422, ""}, {500, ""}, {503, ""}},
+              .answers = {{200, "PixelStory"}, {400, ""}, {404, ""}},
               .query = {{"technique", R"({"type":"string"})", "as the command line has it"},
                         {"x", number, "pixels from the left"},
                         {"y", number, "pixels from the top"},

@@ -205,6 +205,10 @@ TEST_F(Description, HoldsForEveryOperationStatusAndMember) {
   };
   parts("/api/captures/" + hash + "/file");
   ask("get", "/api/captures/" + none + "/file");
+  for (const std::string& at : {hash + "/pixel?technique=msaa&x=1&y=2", hash + "/pixel?technique=msaa&x=4001&y=2",
+                                none + "/pixel?technique=msaa&x=1&y=2"}) {
+    ask("get", "/api/captures/" + at);
+  }
 
   const json wanted = {{"capture", hash},  {"techniques", {{{"technique", "noaa"}}, "msaa:samples=4|8"}},
                        {"width", 32},      {"height", 18},
