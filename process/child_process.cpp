@@ -97,8 +97,8 @@ struct Program {
   if (input < 0 || ::dup2(input, 0) < 0 || ::dup2(program.output, 1) < 0 || ::dup2(program.errors, 2) < 0) {
     ::_exit(kNotExecuted);
   }
-  // Connections and the store are closed on exec by whoever opened them; one that forgot must not matter. They end here,
-  // for there may be thousands, and what comes now has to open files under a lower limit.
+  // Connections and the store are closed on exec by whoever opened them; one that forgot must not matter. They end
+  // here, for there may be thousands, and what comes now has to open files under a lower limit.
   ::syscall(SYS_close_range, 3u, ~0u, 0u);
   lower_limit(RLIMIT_NOFILE, kDescriptors);
   if (program.confinement != nullptr && !program.confinement->enter()) ::_exit(kNotConfined);
