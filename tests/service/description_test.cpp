@@ -1,5 +1,7 @@
 // The description at /api/openapi.json against what the service answers: every operation, every status that it names,
 // every member of every document. Metrics, health and the log's identifiers besides.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -26,7 +28,7 @@ class Schemas {
       static const std::set<std::string> kWords{
           "$ref",    "type",     "properties", "required", "additionalProperties", "items", "enum", "oneOf", "pattern",
           "minimum", "minItems", "maxItems",   "default"};
-      if (!kWords.contains(word)) return where + ": the schema has a word that is not checked: " + word;
+      if (!kWords.contains(word)) return fmt::format("{}: the schema has a word that is not checked: {}", where, word);
     }
     if (schema.contains("$ref")) {
       const std::string name = schema.at("$ref").get<std::string>().substr(std::string("#/components/schemas/").size());
@@ -35,7 +37,7 @@ class Schemas {
     if (schema.contains("oneOf")) {
       std::string problems;
       for (const json& each : schema.at("oneOf")) {
-        const std::string found = problem(value, each, where);
+        std::string found = problem(value, each, where);
         if (found.empty()) return "";
         problems += found + "; ";
       }
@@ -52,7 +54,7 @@ class Schemas {
     }
     if (value.is_array()) {
       for (std::size_t i = 0; schema.contains("items") && i < value.size(); ++i) {
-        const std::string found = problem(value[i], schema.at("items"), where + "[]");
+        std::string found = problem(value[i], schema.at("items"), where + "[]");
         if (!found.empty()) return found;
       }
     }
@@ -83,11 +85,11 @@ class Schemas {
         inner = &properties.at(name);
       } else if (schema.contains("additionalProperties")) {
         inner = &schema.at("additionalProperties");
-        if (inner->is_boolean()) return where + ": " + name + " is not described";
+        if (inner->is_boolean()) return fmt::format("{}: {} is not described", where, name);
       } else {
         continue;
       }
-      if (const std::string found = problem(member, *inner, where + "." + name); !found.empty()) return found;
+      if (std::string found = problem(member, *inner, fmt::format("{}.{}", where, name)); !found.empty()) return found;
     }
     return "";
   }
@@ -115,7 +117,7 @@ class Description : public ServiceTest {
       const std::string pattern = std::regex_replace(std::regex_replace(described, std::regex("\\."), "\\."),
                                                      std::regex("\\{[a-z]+\\}"), "[0-9a-f]+");
       if (!std::regex_match(path, std::regex(pattern)) || !methods.contains(method)) continue;
-      SCOPED_TRACE(method + " " + target);
+      SCOPED_TRACE(fmt::format("{} {}", method, target));
       hold(methods.at(method), *result);
       return *result;
     }

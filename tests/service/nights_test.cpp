@@ -29,7 +29,7 @@ class Nights : public ServiceTest {
   std::filesystem::path a_capture(json behaviour = json::object()) const {
     behaviour["tweak"] = tweak_file().string();
     behaviour["frames"] = 2;
-    const std::filesystem::path path = folder() / "one.spcap";
+    std::filesystem::path path = folder() / "one.spcap";
     std::ofstream(path, std::ios::binary) << fake_capture(behaviour);
     return path;
   }

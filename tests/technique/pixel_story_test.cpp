@@ -1,5 +1,8 @@
 // A pixel's story, replayed by plain code on the host: what it tells has to add up to the bits of the frame, which is
 // run without it.
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -317,7 +320,8 @@ TEST(PixelStory, AggregatesBlocksAndSurfacesAddUpToTheFrame) {
 // The whole document of a file, and what is wrong to ask.
 class PixelStoryOfFile : public testing::Test {
  protected:
-  PixelStoryOfFile() : path_(std::filesystem::path(testing::TempDir()) / "pixel_story.spcap") {
+  PixelStoryOfFile()
+      : path_(std::filesystem::path(testing::TempDir()) / fmt::format("pixel_story_{}.spcap", ::getpid())) {
     capture::write_capture(little_grass(), path_);
     job_.capture = path_;
     job_.techniques = parse_technique_list("streaming");
