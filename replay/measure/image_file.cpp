@@ -91,7 +91,7 @@ std::vector<float> read_channels(OIIO::ImageInput& input, int part, const std::v
   const auto [first, last] = std::ranges::minmax(chosen);
   const std::size_t pixels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
   std::vector<float> values(pixels * chosen.size());
-  if (static_cast<std::size_t>(last - first + 1) == chosen.size() && std::ranges::is_sorted(chosen)) {
+  if (static_cast<std::size_t>(last - first) + 1 == chosen.size() && std::ranges::is_sorted(chosen)) {
     read_range(input, part, first, last + 1, values.data(), OIIO::AutoStride, path);
   } else {
     // One by one, since there may be any number of others between them.

@@ -119,7 +119,8 @@ std::vector<std::uint8_t> render(std::uint32_t width, std::uint32_t height, std:
     for (std::uint32_t x = 0; x < width; ++x) {
       Colour sum{0, 0, 0};
       for (int s = 0; s < samples; ++s) {
-        const double jitter_x = (s % 4 + 0.5) / std::min(samples, 4), jitter_y = (s / 4 + 0.5) / ((samples + 3) / 4);
+        const int row = s / 4, rows = (samples + 3) / 4;
+        const double jitter_x = (s % 4 + 0.5) / std::min(samples, 4), jitter_y = (row + 0.5) / rows;
         const Colour c =
             scene_at((x + jitter_x) / width, 0.5 + ((y + jitter_y) / height - 0.5) * height / width, frame);
         sum = {sum.r + c.r, sum.g + c.g, sum.b + c.b};
