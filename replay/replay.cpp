@@ -96,6 +96,7 @@ class Replay {
 
  private:
   void make_head();
+  void replay_frames(std::uint32_t first, std::uint32_t last);
   // The current frame's reference for a technique's shading model and resolve; null without references.
   std::shared_ptr<const Reference> reference_for(std::uint32_t frame, const TechniqueSetting& planned);
   void run_technique(std::uint32_t frame, std::size_t which);
@@ -140,9 +141,9 @@ class Replay {
   std::unique_ptr<FrameScene> scene_;
   std::uint32_t width_ = 0, height_ = 0;
   ResultsHead head_;
-  std::map<ReferenceKind, std::shared_ptr<const Reference>> references_,
-      references_before_;      // this frame's, the last's
-  std::vector<Image> before_;  // each technique's image of the frame before; the measuring thread's
+  using References = std::map<ReferenceKind, std::shared_ptr<const Reference>>;
+  References references_, references_before_;  // this frame's, the last's
+  std::vector<Image> before_;                  // each technique's image of the frame before; the measuring thread's
   std::optional<std::uint32_t> frame_before_;
   Results results_;
   struct Measured {
@@ -204,6 +205,23 @@ Results Replay::run() {
   if (events_.head) events_.head(head_);
   before_.resize(planned_.size());
 
+  try {
+    replay_frames(first, last);
+  } catch (...) {
+    finish_measuring();  // what was replayed before is not lost by what came after
+    throw;
+  }
+  finish_measuring();
+  now("");
+  head_.wall_s = clock_.wall_s();
+  head_.outside_gpu_s = head_.wall_s - device_.total_ms() * 1e-3;
+  head_.outside_parts_s = clock_.seconds();
+  if (events_.head) events_.head(head_);
+  results_.head = head_;
+  return std::move(results_);
+}
+
+void Replay::replay_frames(std::uint32_t first, std::uint32_t last) {
   for (std::uint32_t frame = first; frame <= last; ++frame) {
     std::vector<std::size_t> wanted, again;
     for (std::size_t which = 0; which < planned_.size(); ++which) {
@@ -227,14 +245,6 @@ Results Replay::run() {
     references_before_ = std::move(references_);
     frame_before_ = frame;
   }
-  finish_measuring();
-  now("");
-  head_.wall_s = clock_.wall_s();
-  head_.outside_gpu_s = head_.wall_s - device_.total_ms() * 1e-3;
-  head_.outside_parts_s = clock_.seconds();
-  if (events_.head) events_.head(head_);
-  results_.head = head_;
-  return std::move(results_);
 }
 
 std::shared_ptr<const Reference> Replay::reference_for(std::uint32_t frame, const TechniqueSetting& planned) {

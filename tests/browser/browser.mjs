@@ -67,6 +67,18 @@ export class Browser {
       `${id}: ${help}: ${nodes.map(({target, failureSummary}) => `${target} ${failureSummary}`).slice(0, 3).join(' | ')}`));
   }
 
+  /** Runs the tests, ends browser and service whatever comes of them, and the process with the exit code. */
+  async runAndExit(tests, service) {
+    let code = 1;
+    try {
+      code = await this.run(tests);
+    } finally {
+      await this.close();
+      await service.stop().catch(() => {});
+    }
+    process.exit(code);
+  }
+
   /**
    * Runs [name, test] in order. Each goes on where the one before left the page, so the first failure ends it, unless
    * SUBPIXEL_KEEP_GOING is set. Returns the exit code.

@@ -206,6 +206,7 @@ export class MadeUpService {
     if (one) return this.runs[one[1]] ? this.#answerRun(Number(one[1]), one[2] ?? '', {json, missing, response}) : missing();
     const known = {
       '/api/health': {status: 'ok', version: '0', captures: 1, runs: 2, queued: 0, running: 0, upload_limit_bytes: 1, free_bytes: 1},
+      '/api/caller': {token_required: false, name: null, right: 'admin', expires_utc: null, quota_bytes: null, uploaded_bytes: 0},
       '/api/techniques': {techniques: [...new Set(techniqueNames)].map((name) => ({name, title: name, doc: '', parameters: [], maps: []}))},
       '/api/palettes': {palettes: this.palettes}, '/api/limits': {limits: []}, '/api/captures': {captures: [], total: 0},
       '/api/runs': {runs: Object.keys(this.runs).map((id) => this.run(Number(id))).reverse(), next_before: null},

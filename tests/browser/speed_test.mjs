@@ -105,11 +105,4 @@ const tests = [
   }],
 ];
 
-let code = 1;
-try {
-  code = await browser.run(tests);
-} finally {
-  await browser.close();
-  await service.stop().catch(() => {});
-}
-process.exit(code);
+await browser.runAndExit(tests, service);

@@ -353,11 +353,4 @@ const tests = [
   }],
 ];
 
-let code = 1;
-try {
-  code = await browser.run([['the service starts', open], ...tests]);
-} finally {
-  await browser.close();
-  await service.stop();
-}
-process.exit(code);
+await browser.runAndExit([['the service starts', open], ...tests], service);

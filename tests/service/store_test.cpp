@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "server/store/schema.hpp"
 #include "tests/service/service_fixture.hpp"
+#include "tests/service/store_workload.hpp"
 
 namespace subpixel::tests {
 namespace {
@@ -21,32 +22,6 @@ using server::Store;
 class StoreTest : public testing::Test {
  protected:
   std::filesystem::path file() const { return folder_.path() / "store.sqlite"; }
-
-  static server::CaptureRecord a_capture() {
-    server::CaptureRecord capture;
-    capture.hash = std::string(32, 'a');
-    capture.name = "a'); DROP TABLE captures; --";
-    capture.uploaded_utc = server::utc_now();
-    capture.frame_count = 2;
-    capture.summary = json::object();
-    return capture;
-  }
-
-  static replay::ReplayOptions options() {
-    replay::ReplayOptions options;
-    options.techniques = {{"noaa", {}}, {"msaa", {{"samples", 8}}}};
-    options.frames = {0, 1};
-    return options;
-  }
-
-  static replay::FrameResult result(std::uint32_t frame, const std::string& technique) {
-    replay::FrameResult result;
-    result.frame = frame;
-    result.technique = technique;
-    result.ms.passes = {{"set-up", 1.5}, {"shade", 2.5}};
-    result.ms.total_ms = 4;
-    return result;
-  }
 
  private:
   TemporaryFolder folder_;
@@ -105,13 +80,13 @@ TEST_F(StoreTest, EveryForeignKeyHasAnIndex) {
 
 TEST_F(StoreTest, ResultIsStoredOnceWithPassesAndImages) {
   Store store(file());
-  ASSERT_TRUE(store.add_capture(a_capture()));
-  EXPECT_FALSE(store.add_capture(a_capture()));
-  const std::int64_t run = store.add_run(RunKind::run, a_capture().hash, options(), 4).value();
+  ASSERT_TRUE(store.add_capture(stored_capture('a')));
+  EXPECT_FALSE(store.add_capture(stored_capture('a')));
+  const std::int64_t run = store.add_run(RunKind::run, stored_capture('a').hash, stored_options(), 4).value();
   const std::map<std::string, Blob> images{{"image", {"image/png", "pixels"}}, {"error", {"image/png", "pixels"}}};
-  EXPECT_TRUE(store.add_result(run, 1, result(0, "msaa"), images));
-  EXPECT_FALSE(store.add_result(run, 1, result(0, "msaa"), images));
-  EXPECT_TRUE(store.add_result(run, 0, result(0, "noaa"), images));
+  EXPECT_TRUE(store.add_result(run, 1, stored_result(0, "msaa"), images));
+  EXPECT_FALSE(store.add_result(run, 1, stored_result(0, "msaa"), images));
+  EXPECT_TRUE(store.add_result(run, 0, stored_result(0, "noaa"), images));
 
   const std::vector<server::StoredResult> results = store.results(run);
   ASSERT_EQ(results.size(), 2u);
@@ -128,25 +103,26 @@ TEST_F(StoreTest, ResultIsStoredOnceWithPassesAndImages) {
 
 TEST_F(StoreTest, DeletionTakesAllThatBelongsToIt) {
   Store store(file());
-  store.add_capture(a_capture());
-  const std::int64_t run = store.add_run(RunKind::run, a_capture().hash, options(), 4).value();
-  store.add_result(run, 0, result(0, "noaa"), {{"image", {"image/png", "pixels"}}});
+  store.add_capture(stored_capture('a'));
+  const std::int64_t run = store.add_run(RunKind::run, stored_capture('a').hash, stored_options(), 4).value();
+  store.add_result(run, 0, stored_result(0, "noaa"), {{"image", {"image/png", "pixels"}}});
   EXPECT_EQ(store.delete_run(run), Store::Deletion::in_use);
   EXPECT_TRUE(store.finish_run(run, RunStatus::done, ""));
   EXPECT_FALSE(store.finish_run(run, RunStatus::failed, "too late"));
-  EXPECT_EQ(store.delete_capture(a_capture().hash), Store::Deletion::deleted);
+  EXPECT_EQ(store.delete_capture(stored_capture('a').hash), Store::Deletion::deleted);
   const Connection connection(file());
   for (const char* table : {"captures", "runs", "run_techniques", "frame_results", "pass_times", "images", "blobs"}) {
     EXPECT_EQ(count(connection, table), 0) << table;
   }
-  EXPECT_FALSE(store.add_run(RunKind::run, a_capture().hash, options(), 4));
+  EXPECT_FALSE(store.add_run(RunKind::run, stored_capture('a').hash, stored_options(), 4));
 }
 
 TEST_F(StoreTest, ThumbnailsGoFirstAndEachRunGoesToOne) {
   Store store(file());
-  store.add_capture(a_capture());
-  const std::int64_t run = store.add_run(RunKind::run, a_capture().hash, options(), 4).value();
-  const std::int64_t thumbnail = store.add_run(RunKind::thumbnail, a_capture().hash, options(), 1).value();
+  store.add_capture(stored_capture('a'));
+  const std::int64_t run = store.add_run(RunKind::run, stored_capture('a').hash, stored_options(), 4).value();
+  const std::int64_t thumbnail =
+      store.add_run(RunKind::thumbnail, stored_capture('a').hash, stored_options(), 1).value();
   EXPECT_EQ(store.start_next_run().value().id, thumbnail);
   EXPECT_EQ(store.start_next_run().value().id, run);
   EXPECT_FALSE(store.start_next_run());

@@ -5,9 +5,11 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "replay/replay.hpp"
 #include "replay/results/parameters.hpp"
 #include "replay/results/worker_protocol.hpp"
 #include "replay/techniques/complete_technique.hpp"
@@ -140,6 +142,24 @@ TEST_F(ReplayMeasures, AFrameAloneHasTheHistoryItHasAmongOthers) {
 
 // What the service does when a worker died: the rest of the run is measured as if it had never stopped. Flicker is told
 // from the image of the frame before, which another process drew.
+// A result is measured while the next technique is prepared; what goes wrong there must not take it along.
+TEST_F(ReplayMeasures, AreReportedThoughTheNextTechniqueFails) {
+  ASSERT_EQ(run_binary("generate spheres scene.spcap --frames 1 --size 64x36", folder_).code, 0);
+  replay::ReplayJob job{folder_ / "scene.spcap", folder_ / "out", folder_ / "cache", {}};
+  for (const auto& request : replay::parse_technique_list("noaa,msaa:samples=4"))
+    ASSERT_TRUE(replay::add_once(job.options.techniques, replay::complete_technique(request, 4)));
+  job.options.repeat = 1;
+  job.options.reference_samples = 0;
+  std::vector<std::string> reported;
+  replay::ReplayEvents events;
+  events.progress = [](const std::string& stage, std::uint32_t done, std::uint32_t, const std::string&) {
+    if (stage == "replay" && done == 1) throw std::runtime_error("the second technique fails");
+  };
+  events.result = [&](std::uint32_t, const replay::FrameResult& result) { reported.push_back(result.technique); };
+  EXPECT_THROW(replay::run_replay(job, events), std::runtime_error);
+  EXPECT_EQ(reported, std::vector<std::string>{"noaa"});
+}
+
 TEST_F(ReplayMeasures, AreTheSameWhenOthersAreThereAlready) {
   ASSERT_EQ(run_binary("generate spheres scene.spcap --frames 3 --size 64x36", folder_).code, 0);
   replay::ReplayJob job{folder_ / "scene.spcap", folder_ / "out", folder_ / "cache", {}};
