@@ -60,7 +60,8 @@ fi
 
 step "4/4 viewer and replay"
 mkdir -p demo/data
-"$subpixel" serve --data demo/data --listen "$listen" >demo/address &
+# Who names another address wants the demo there: whoever reaches it may use it.
+"$subpixel" serve --data demo/data --listen "$listen" ${SUBPIXEL_LISTEN:+--no-token} >demo/address &
 server=$!
 end_service() {
   kill -TERM "$server" 2>/dev/null || true

@@ -37,6 +37,20 @@ json parse_json_document(std::string_view text, const std::string& what, const s
   }
 }
 
+std::optional<json> parse_json_line(std::string_view line) {
+  try {
+    json document = parse_json_document(line, "line", "it");
+    if (document.is_object()) return document;
+  } catch (const InputError&) {  // not said to anyone
+  }
+  return std::nullopt;
+}
+
+std::string text_or_empty(const json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
 void check_names(const JsonField& object, std::initializer_list<std::string_view> known, const std::string& what,
                  const std::string& where) {
   for (const auto& item : object.object().items()) {

@@ -18,6 +18,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/failure.hpp"
+#include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "capture_format/writer.hpp"
 #include "cli/written_summary.hpp"
@@ -114,12 +115,12 @@ class EndingSignals {
 class Conversation {
  public:
   bool take(std::string_view line) {
-    const json message = json::parse(line, nullptr, false);
-    if (!message.is_object()) return true;  // some library's own word
-    const std::string type = message.value("type", "");
-    if (type == "progress") fmt::print(stderr, "{}\n", printable(message.value("text", "")));
-    if (type == "done") summary_ = message.value("summary", "");
-    if (type == "error") error_ = message.value("text", "");
+    const std::optional<json> message = parse_json_line(line);
+    if (!message) return true;  // some library's own word
+    const std::string type = text_or_empty(*message, "type");
+    if (type == "progress") fmt::print(stderr, "{}\n", printable(text_or_empty(*message, "text")));
+    if (type == "done") summary_ = text_or_empty(*message, "summary");
+    if (type == "error") error_ = text_or_empty(*message, "text");
     return true;
   }
 

@@ -16,6 +16,7 @@
 #include <span>
 
 #include "base/error.hpp"
+#include "base/json_document.hpp"
 #include "capture_format/reading/reader.hpp"
 #include "python/embedded.hpp"
 
@@ -141,10 +142,10 @@ Ended run(std::vector<std::string> arguments, std::vector<std::string> environme
   if (error != 0) throw InputError(kFailed, std::strerror(error), arguments[0]);
   Ended ended;
   while (const auto line = lines.next()) {
-    const nlohmann::json message = nlohmann::json::parse(*line, nullptr, false);
-    if (!message.is_object()) continue;  // a library's own word
-    if (message.value("type", "") == "error") {
-      ended.error = message.value("text", "");
+    const std::optional<nlohmann::json> message = parse_json_line(*line);
+    if (!message) continue;  // a library's own word
+    if (text_or_empty(*message, "type") == "error") {
+      ended.error = text_or_empty(*message, "text");
     } else {
       std::fputs(line->c_str(), stdout);
       std::fflush(stdout);

@@ -35,7 +35,8 @@ struct ServeArguments {
   std::optional<double> worker_memory_gb;
   std::uint32_t silence_s = 600, duration_s = 12 * 3600, processor_s = 0;
   std::vector<std::string> worker_reads;
-  bool require_token = false, log_json = false, log_requests = false;
+  bool require_token = false, no_token = false;  // neither: where other machines can call
+  bool log_json = false, log_requests = false;
 };
 
 // Splits "HOST:PORT" or "[V6]:PORT".
@@ -53,6 +54,10 @@ std::pair<std::string, int> parse_address(const std::string& text) {
   return {host, port};
 }
 
+bool is_loopback(const std::string& host) {
+  return host == "localhost" || host == "::1" || host.starts_with("127.");
+}
+
 // The machine's, 0 when it is not known or a sanitizer needs more address space than that.
 std::uint64_t memory_bytes() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -68,7 +73,7 @@ server::ServiceOptions service_options(const ServeArguments& arguments) {
   options.data = arguments.data;
   std::tie(options.host, options.port) = parse_address(arguments.listen);
   options.host_names = arguments.host_names;
-  options.require_token = arguments.require_token;
+  options.require_token = arguments.require_token || (!arguments.no_token && !is_loopback(options.host));
   options.log_requests = arguments.log_requests;
   constexpr double kGigabyte = 1 << 30;
   options.upload_limit_bytes = static_cast<std::uint64_t>(arguments.upload_limit_gb * kGigabyte);
@@ -143,9 +148,12 @@ int serve(const ServeArguments& arguments) {
 
   for (const std::string& gap : confinement_gaps()) spdlog::warn("workers are less confined: {}", gap);
   const server::ServiceOptions options = service_options(arguments);
-  if (!options.require_token && options.host != "localhost" && options.host != "::1" &&
-      !options.host.starts_with("127.")) {
+  if (!options.require_token && !is_loopback(options.host)) {
     spdlog::warn("whoever reaches {} may do everything: --require-token asks for tokens", options.host);
+  } else if (options.require_token && !arguments.require_token) {
+    spdlog::info(
+        "{} is reached from elsewhere, so callers need a token: subpixel token add makes one, --no-token asks for none",
+        options.host);
   }
   server::Service service(options);
   const std::string host = arguments.listen.substr(0, arguments.listen.rfind(':'));
@@ -200,7 +208,9 @@ void add_serve(CLI::App& app, std::function<int()>& action) {
       ->check(CLI::Range(1, 10'000'000))
       ->capture_default_str();
   verb->add_flag("--require-token", arguments->require_token,
-                 "Whoever reads or changes anything needs a token (see subpixel token)");
+                 "Whoever reads or changes anything needs a token (see subpixel token); the default where --listen is "
+                 "an address that other machines reach");
+  verb->add_flag("--no-token", arguments->no_token, "Nobody needs one, there too")->excludes("--require-token");
   verb->add_flag("--log-json", arguments->log_json, "Write the log as one JSON document a line");
   verb->add_flag("--log-requests", arguments->log_requests, "Log each request");
   verb->add_option("--worker-program", arguments->worker,

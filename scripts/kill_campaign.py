@@ -17,41 +17,14 @@ import subprocess
 import sys
 import tempfile
 import time
-import urllib.request
 
-
-class Service:
-    def __init__(self, binary, data, fake_worker):
-        command = [binary, 'serve', '--data', data, '--listen', '127.0.0.1:0']
-        command += ['--worker-program', fake_worker] if fake_worker else []
-        self.log = open(os.path.join(os.path.dirname(data), 'service.log'), 'a')
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self.log, text=True)
-        self.url = self.process.stdout.readline().split()[-1]
-
-    def call(self, path, body=None, kind='application/json'):
-        request = urllib.request.Request(self.url + path, data=body, headers={'Content-Type': kind})
-        with urllib.request.urlopen(request, timeout=120) as answer:
-            return json.load(answer)
-
-    def children(self):
-        found = []
-        try:
-            for thread in os.listdir(f'/proc/{self.process.pid}/task'):
-                with open(f'/proc/{self.process.pid}/task/{thread}/children') as file:
-                    found += [int(child) for child in file.read().split()]
-        except OSError:
-            pass  # a thread that ended meanwhile
-        return found
-
-    def kill(self):
-        self.process.kill()
-        self.process.wait()
+from service_process import ServiceProcess, fake_capture
 
 
 def results_of(service, run):
     """(frame, technique with parameters) to the hashes of images and the counts; stops at one that is there twice."""
     found = {}
-    for result in service.call(f'/api/runs/{run}/results.json')['results']:
+    for result in service.client.get_results(run)['results']:
         key = (result['frame'], json.dumps([result['technique'], result['parameters']], sort_keys=True))
         if key in found:
             sys.exit(f'run {run}: {key} is there twice')
@@ -73,19 +46,20 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         capture = os.path.join(folder, 'capture.spcap')
         if arguments.fake_worker:
-            with open(capture, 'w') as file:
-                file.write('FAKE ' + json.dumps({'frames': arguments.frames, 'result_ms': 3}) + '\n')
+            fake_capture(capture, {'frames': arguments.frames, 'result_ms': 3})
         else:
             subprocess.run([arguments.binary, 'generate', 'spheres', capture, '--frames', str(arguments.frames),
                             '--size', '96x64'], check=True, stdout=subprocess.DEVNULL)
-        service = Service(arguments.binary, os.path.join(folder, 'data'), arguments.fake_worker)
-        with open(capture, 'rb') as file:
-            stored = service.call('/api/captures?name=capture.spcap', file.read(), 'application/octet-stream')
-        request = json.dumps({'capture': stored['hash'], 'techniques': ['noaa', 'msaa:samples=4', 'dcaa'], 'repeat': 1,
-                              'width': 96, 'height': 64, 'reference_samples': 64, 'retries': 1000}).encode()
+        def start():
+            return ServiceProcess(arguments.binary, os.path.join(folder, 'data'), arguments.fake_worker)
+
+        service = start()
+        stored = service.client.upload_capture(capture)
+        request = {'capture': stored['hash'], 'techniques': ['noaa', 'msaa:samples=4', 'dcaa'], 'repeat': 1,
+                   'width': 96, 'height': 64, 'reference_samples': 64, 'retries': 1000}
 
         def status(run):
-            return service.call(f'/api/runs/{run}')
+            return service.client.get_run(run)
 
         def wait_for(run):
             while (now := status(run))['status'] in ('queued', 'running'):
@@ -94,7 +68,7 @@ def main():
                 sys.exit(f'run {run} ended as {now["status"]}: {now["reason"]}')
 
         started = time.monotonic()
-        alone = service.call('/api/runs', request)['id']
+        alone = service.client.start_run(request)['id']
         wait_for(alone)
         expected = results_of(service, alone)
         print(f'{len(expected)} results, {time.monotonic() - started:.1f} s when left alone', flush=True)
@@ -102,7 +76,7 @@ def main():
         runs = []
         started = time.monotonic()
         while sum(kills.values()) < arguments.kills:
-            run = service.call('/api/runs', request)['id']
+            run = service.client.start_run(request)['id']
             runs.append(run)
             seen = {}
             while sum(kills.values()) < arguments.kills and status(run)['status'] in ('queued', 'running'):
@@ -113,7 +87,7 @@ def main():
                 seen = committed
                 if chance.random() < 0.5:
                     service.kill()
-                    service = Service(arguments.binary, os.path.join(folder, 'data'), arguments.fake_worker)
+                    service = start()
                     kills['service'] += 1
                 else:
                     for child in service.children():
@@ -123,8 +97,7 @@ def main():
             wait_for(run)
             if results_of(service, run) != expected:
                 sys.exit(f'run {run} has other results than the one that was left alone')
-        service.process.send_signal(signal.SIGTERM)
-        service.process.wait(timeout=5)
+        service.end(within=5)
         print(f'{kills["service"]} kills of the service, {kills["worker"]} of workers in {len(runs)} runs and '
               f'{time.monotonic() - started:.0f} s: every result once, all the same')
 

@@ -10,20 +10,19 @@ library only.
 """
 import argparse
 import http.client
-import json
 import multiprocessing
 import os
-import pathlib
 import resource
-import signal
 import socket
 import statistics
-import subprocess
 import sys
 import tempfile
 import threading
 import time
 
+from service_process import ServiceProcess, fake_capture, fake_worker_beside
+
+CAPTURE_BYTES = 16 << 20
 MEDIAN_S, WORST_S, MEMORY_MB = 0.1, 1.0, 300
 HOST = "Host: 127.0.0.1\r\n"
 
@@ -89,18 +88,16 @@ def attack(port, wanted, addresses, ready):
 
 
 class Usage(threading.Thread):
-    """The most memory and descriptors a process had."""
+    """The most memory and descriptors a service had."""
 
-    def __init__(self, pid):
+    def __init__(self, service):
         super().__init__(daemon=True)
-        self.pid, self.megabytes, self.descriptors, self.ended = pid, 0, 0, threading.Event()
+        self.service, self.megabytes, self.descriptors, self.ended = service, 0, 0, threading.Event()
 
     def run(self):
         while not self.ended.wait(0.2):
-            status = pathlib.Path(f"/proc/{self.pid}/status").read_text()
-            resident = next(int(line.split()[1]) for line in status.splitlines() if line.startswith("VmRSS"))
-            self.megabytes = max(self.megabytes, resident / 1024)
-            self.descriptors = max(self.descriptors, len(os.listdir(f"/proc/{self.pid}/fd")))
+            self.megabytes = max(self.megabytes, self.service.resident_bytes() / 2**20)
+            self.descriptors = max(self.descriptors, self.service.descriptors())
 
 
 def request(port, method, path, body=None, headers=None):
@@ -114,11 +111,11 @@ def request(port, method, path, body=None, headers=None):
     return content
 
 
-def measure(port, pid, name, wanted, addresses, seconds):
+def measure(service, name, wanted, addresses, seconds):
     """One line of figures; whether it is within the bounds."""
     ready = multiprocessing.Event()
-    attacker = multiprocessing.Process(target=attack, args=(port, wanted, addresses, ready), daemon=True)
-    usage = Usage(pid)
+    attacker = multiprocessing.Process(target=attack, args=(service.port, wanted, addresses, ready), daemon=True)
+    usage = Usage(service)
     usage.start()
     attacker.start()
     times = []
@@ -126,7 +123,7 @@ def measure(port, pid, name, wanted, addresses, seconds):
     while end is None or time.monotonic() < end:  # also while they come
         for path in ("/api/health", "/api/runs"):
             begin = time.monotonic()
-            request(port, "GET", path)
+            request(service.port, "GET", path)
             times.append(time.monotonic() - begin)
         if end is None and ready.is_set():
             end = time.monotonic() + seconds
@@ -142,28 +139,6 @@ def measure(port, pid, name, wanted, addresses, seconds):
     return median <= MEDIAN_S and worst <= WORST_S and usage.megabytes <= MEMORY_MB
 
 
-# In place of the worker, whose replays would take the time that is measured: a run that never ends and says so.
-WORKER = """#!/bin/sh
-if [ "$1" = worker ]; then
-  while sleep 1; do
-    echo '{"type":"progress","stage":"replay","done":1,"total":2,"detail":"on and on"}'
-  done
-fi
-exec '%s' "$@"
-"""
-
-
-def serve(program, folder):
-    """The service and its port."""
-    worker = pathlib.Path(folder, "worker")
-    worker.write_text(WORKER % os.path.abspath(program))
-    worker.chmod(0o755)
-    # Two workers: one has the thumbnail of the capture, the other the run.
-    service = subprocess.Popen([program, "serve", "--data", os.path.join(folder, "data"), "--listen", "127.0.0.1:0",
-                                "--workers", "2", "--worker-program", worker], stdout=subprocess.PIPE, text=True)
-    return service, int(service.stdout.readline().rsplit(":", 1)[1])
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program", help="subpixel")
@@ -175,15 +150,15 @@ def main():
     resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
     good = True
     with tempfile.TemporaryDirectory() as folder:
+        # The worker would take the time that is measured: a run that has a result a second and never ends.
         capture = os.path.join(folder, "large.spcap")
-        subprocess.run([arguments.program, "generate", "grass", capture, "--size", "64x36"], check=True,
-                       stdout=subprocess.DEVNULL)
-        service, port = serve(arguments.program, folder)
+        fake_capture(capture, {"frames": 1000, "result_ms": 1000, "width": 4, "height": 4}, CAPTURE_BYTES)
+        # Two workers: one has the thumbnail of the capture, the other the run.
+        service = ServiceProcess(arguments.program, os.path.join(folder, "data"),
+                                 fake_worker_beside(arguments.program), ["--workers", "2"])
         try:
-            stored = json.loads(request(port, "POST", "/api/captures", pathlib.Path(capture).read_bytes()))
-            run = json.loads(request(port, "POST", "/api/runs",
-                                     json.dumps({"capture": stored["hash"], "techniques": [{"technique": "noaa"}]}),
-                                     {"Content-Type": "application/json"}))
+            stored = service.client.upload_capture(capture)
+            run = service.client.start_run({"capture": stored["hash"], "techniques": ["noaa"]})
             what = kinds(f"/api/captures/{stored['hash']}/file", run["id"])
             print(f"file of {stored['size_bytes']} bytes")
             print("| slow clients | addresses | median ms | worst ms | answers | memory MB | descriptors |")
@@ -191,13 +166,12 @@ def main():
             for name, wanted in what.items():
                 if arguments.only in (None, name):
                     label = f"{wanted[0]} {name}"
-                    good &= measure(port, service.pid, label, [wanted], arguments.addresses, arguments.seconds)
+                    good &= measure(service, label, [wanted], arguments.addresses, arguments.seconds)
             if arguments.only in (None, "all"):
-                good &= measure(port, service.pid, "all of them", list(what.values()), arguments.addresses,
+                good &= measure(service, "all of them", list(what.values()), arguments.addresses,
                                 arguments.seconds)
         finally:
-            service.send_signal(signal.SIGTERM)
-            service.wait()
+            service.end()
     return 0 if good else 1
 
 

@@ -109,12 +109,13 @@ void Api::route(HttpServer& http) {
   });
   http.set_logger([this](const Request& request, const Response& response) { answered(request, response); });
   http.set_error_handler(httplib::Server::HandlerWithResponse([](const Request& request, Response& response) {
-    if (!response.body.empty()) return HandlerResponse::Unhandled;
     const bool missing = response.status == 404;
-    write_error(response,
-                HttpError(response.status, missing ? "there is no such page" : "the request is refused",
-                          missing ? "see docs/http_api.md for what there is" : "it is malformed", request.path));
-    return HandlerResponse::Handled;
+    if (response.body.empty()) {
+      write_error(response,
+                  HttpError(response.status, missing ? "there is no such page" : "the request is refused",
+                            missing ? "see docs/http_api.md for what there is" : "it is malformed", request.path));
+    }
+    return HandlerResponse::Handled;  // or the library leaves the length out where it asks before the body
   }));
 
   route_state(routes_);
@@ -223,6 +224,8 @@ void Api::answered(const Request& request, const Response& response) {
   const LogField status("status", std::to_string(response.status)),
       ms("ms", fmt::format("{:.1f}", 1000 * time.count()));
   const LogField caller("caller", context.caller ? context.caller->name : "");
+  std::optional<LogField> run;
+  if (context.run) run.emplace("run", std::to_string(*context.run));
   spdlog::info("answered {} {} with {}", request.method, request.path, response.status);
 }
 

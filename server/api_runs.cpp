@@ -213,6 +213,7 @@ void Api::send_advice(const Request& request, Response& response) const {
 RunRecord Api::find_run(const std::string& id) const {
   std::optional<RunRecord> run = store_.run(parse_id(id));
   if (!run || run->kind != RunKind::run) throw HttpError(404, "there is no such run", "none has this number", id);
+  request_context().run = run->id;
   return *std::move(run);
 }
 
@@ -263,6 +264,7 @@ void Api::post_run(const Request& request, Response& response) {
   const std::uint64_t expected = resolve_frames(wanted.options, capture->frame_count);
   if (query_number(request, "once", 0, 1, 0) == 1) {
     if (const std::optional<RunRecord> equal = equal_run(capture->hash, wanted.options)) {
+      request_context().run = equal->id;
       return write_json(response, 200, run_json(*equal));
     }
   }

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/failure.hpp"
+#include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "server/http_error.hpp"
 
@@ -96,10 +97,10 @@ void CaptureImport::run(const std::filesystem::path& model, const std::string& k
   std::string error;
   bool done = false;
   const auto take = [&](std::string_view line) {
-    const nlohmann::json message = nlohmann::json::parse(line, nullptr, false);
-    if (!message.is_object()) return true;  // some library's own word
-    const std::string type = message.value("type", "");
-    if (type == "error") error = message.value("text", "");
+    const std::optional<nlohmann::json> message = parse_json_line(line);
+    if (!message) return true;  // some library's own word
+    const std::string type = text_or_empty(*message, "type");
+    if (type == "error") error = text_or_empty(*message, "text");
     if (type == "done") done = true;
     return true;
   };

@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/failure.hpp"
-#include "base/json_fields.hpp"
+#include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "server/http_error.hpp"
 
@@ -15,18 +15,6 @@ namespace {
 
 constexpr std::size_t kMaxSummaryBytes = std::size_t{16} << 20;
 constexpr std::size_t kMaxTitleBytes = 200;
-
-CaptureRecord read_summary(const nlohmann::json& document) {
-  const JsonField summary(document, "capture summary");
-  CaptureRecord record;
-  record.title = printable(summary.member("title").text(), kMaxTitleBytes);
-  record.frame_count = summary.member("frame_count").u32();
-  record.width = summary.member("width").u32();
-  record.height = summary.member("height").u32();
-  record.triangles = summary.member("triangles").u64();
-  record.summary = document;
-  return record;
-}
 
 // The reader's message without the program's name and without the path of the upload's file, which means nothing to
 // users.
@@ -41,6 +29,19 @@ std::string reader_message(std::string message, const std::filesystem::path& fil
 }
 
 }  // namespace
+
+CaptureRecord parse_capture_summary(std::string_view text) {
+  const std::string what = "capture summary";
+  CaptureRecord record;
+  record.summary = parse_json_document(text, what, "the worker's answer");
+  const JsonField summary(record.summary, what);
+  record.title = printable(summary.member("title").text(), kMaxTitleBytes);
+  record.frame_count = summary.member("frame_count").u32();
+  record.width = summary.member("width").u32();
+  record.height = summary.member("height").u32();
+  record.triangles = summary.member("triangles").u64();
+  return record;
+}
 
 CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOptions& worker, std::stop_token stop) {
   std::string output;
@@ -66,7 +67,7 @@ CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOpt
                     reader_message(outcome.error_tail, file));
   }
   try {
-    return read_summary(nlohmann::json::parse(output));
+    return parse_capture_summary(output);
   } catch (const std::exception& error) {
     throw HttpError(500, "the capture could not be inspected", printable(error.what(), 300), "capture summary");
   }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "process/child_process.hpp"
@@ -15,6 +16,9 @@ namespace subpixel::server {
 // Runs `program info FILE --json` and returns the fields of its summary. Name, hash, size and time are left to the
 // caller. Throws HttpError 422 with the reader's message when the file is no valid capture.
 CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOptions& worker, std::stop_token stop);
+
+// The same of what that process printed. Throws InputError.
+CaptureRecord parse_capture_summary(std::string_view text);
 
 // What `program pixel FILE` with `options` prints, one JSON document. Throws HttpError: 400 with the program's message
 // for options it refuses, 422 for a capture it can't read or a device that can't do it.

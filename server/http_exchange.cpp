@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <strings.h>
 
 #include <algorithm>
 #include <atomic>
@@ -23,12 +24,32 @@ std::string new_id() {
   return fmt::format("{:08x}-{}", process, ++number);
 }
 
+// Takes the fields of that name out of a header and returns their values.
+std::vector<std::string> take_fields(std::string& header, std::string_view name) {
+  std::vector<std::string> values;
+  std::size_t at = header.find("\r\n");
+  while (at != std::string::npos && at + 2 < header.size()) {
+    const std::size_t begin = at + 2, end = header.find("\r\n", begin);
+    const std::size_t colon = begin + name.size();
+    if (end == std::string::npos) break;
+    if (colon < end && header[colon] == ':' && ::strncasecmp(header.data() + begin, name.data(), name.size()) == 0) {
+      const std::size_t value = std::min(header.find_first_not_of(" \t", colon + 1), end);
+      values.push_back(header.substr(value, end - value));
+      header.erase(begin, end + 2 - begin);
+    } else {
+      at = end;
+    }
+  }
+  return values;
+}
+
 }  // namespace
 
 Exchange::Exchange(std::string header, Peer peer, bool last_of_connection, const OpenBody& open_body,
                    const std::filesystem::path& spill_folder)
     : id_(new_id()),
       header_(std::move(header)),
+      ranges_(take_fields(header_, "range")),
       peer_(std::move(peer)),
       last_of_connection_(last_of_connection),
       open_body_(open_body),

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "server/outgoing.hpp"
 #include "server/upload.hpp"
@@ -47,6 +48,8 @@ class Exchange final : public httplib::Stream {
   // Tells it from others in the log and in the answer.
   const std::string& id() const { return id_; }
   std::uint64_t body_bytes() const { return body_length_; }
+  // What the header's Range fields say.
+  const std::vector<std::string>& ranges() const { return ranges_; }
   // What follows the answer's header. To be called by a content provider, which returns false then: so the library's
   // part has ended.
   void send_file(std::shared_ptr<const OpenFile> file, std::uint64_t first, std::uint64_t length);
@@ -83,7 +86,8 @@ class Exchange final : public httplib::Stream {
 
  private:
   std::string id_;
-  std::string header_;
+  std::string header_;               // without Range fields: to those the library has answers of its own
+  std::vector<std::string> ranges_;  // their values
   Peer peer_;
   bool last_of_connection_;
   const OpenBody& open_body_;

@@ -89,7 +89,8 @@ void HttpServer::answer(Exchange& exchange) {
         log_fields().back().second = given;
       }
       if (exchange.body_has_come()) parsed.headers.erase("Expect");
-      parsed.ranges.clear();  // the library's own are not bounded in number; choose_bytes() reads the header itself
+      // The library did not see them: its own are not bounded in number, and its answer to malformed ones is in parts.
+      for (const std::string& range : exchange.ranges()) parsed.headers.emplace("Range", range);
       take_absolute_form(parsed);
       const bool last = !length || *length > kSmallBodyBytes || parsed.version == "HTTP/1.0";
       if (last) {

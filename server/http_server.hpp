@@ -29,12 +29,12 @@ class HttpServer : public httplib::Server {
   // Serves the address that was bound until shut_down(), which may come before.
   void serve(OpenBody open_body, NewsSource news, std::string heartbeat);
   void shut_down() { connections_.stop(); }
+  // Answers one request, on the calling thread: serve()'s part without the connections.
+  void answer(Exchange& exchange);
   // Followers of the topic are to get news. From any thread.
   void changed(std::int64_t topic) { connections_.changed(topic); }
 
  private:
-  void answer(Exchange& exchange);
-
   HttpConnections connections_;
 };
 

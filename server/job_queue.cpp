@@ -6,6 +6,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/failure.hpp"
+#include "base/log_fields.hpp"
 #include "base/printable.hpp"
 #include "server/worker_session.hpp"
 
@@ -112,7 +113,10 @@ void JobQueue::work(const std::stop_token& stop) {
       continue;
     }
     events_.changed(run->id);
-    execute(*run, stop);
+    {
+      const LogField field("run", std::to_string(run->id));
+      execute(*run, stop);
+    }
     events_.clear_progress(run->id);
     events_.changed(run->id);
     const std::lock_guard lock(mutex_);
@@ -167,11 +171,10 @@ void JobQueue::execute(const RunRecord& run, const std::stop_token& stop) {
   std::filesystem::remove_all(job_folder, ignored);
   if (interrupted) return;  // stays `running` in the store, from where stop() puts it back
   if (can_go_on) {
-    spdlog::warn("run {}: {}", run.id, verdict.reason);
+    spdlog::warn("the run's worker is started again: {}", verdict.reason);
     if (start_again(run, verdict.reason)) return;
     verdict = {RunStatus::cancelled, ""};
   }
-  if (verdict.status == RunStatus::failed) spdlog::warn("run {} failed: {}", run.id, verdict.reason);
   finish(run.id, verdict.status, verdict.reason, stop);
 }
 
@@ -182,7 +185,7 @@ bool JobQueue::start_again(const RunRecord& run, const std::string& reason) {
     store_.requeue(run.id, reason);
   } catch (const std::exception& error) {
     // It stays `running`, and is taken up by the service's next start.
-    spdlog::error("putting run {} back in the queue: {}", run.id, error.what());
+    spdlog::error("the run can't be put back in the queue: {}", error.what());
   }
   return true;
 }
@@ -192,9 +195,11 @@ void JobQueue::finish(std::int64_t run, RunStatus status, const std::string& rea
   while (true) {
     try {
       store_.finish_run(run, status, reason);
+      spdlog::log(status == RunStatus::failed ? spdlog::level::warn : spdlog::level::info, "the run ended as {}{}{}",
+                  to_text(status), reason.empty() ? "" : ": ", reason);
       return;
     } catch (const std::exception& error) {
-      spdlog::error("storing the end of run {}: {}", run, error.what());
+      spdlog::error("the run's end can't be stored: {}", error.what());
     }
     std::unique_lock lock(mutex_);
     wake_.wait_for(lock, stop, std::chrono::seconds(2), [] { return false; });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,7 @@ struct RequestContext {
   std::chrono::steady_clock::time_point begun;
   const Route* route = nullptr;       // of the table; none for the viewer's files and what there is not
   std::optional<TokenRecord> caller;  // none where no token is required
+  std::optional<std::int64_t> run;    // that the request made, or was answered with
 };
 
 inline RequestContext& request_context() {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "base/json_fields.hpp"
+#include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "server/store/worker_files.hpp"
 
@@ -23,7 +23,7 @@ WorkerSession::WorkerSession(Store& store, RunEvents& events, const RunRecord& r
 bool WorkerSession::take_line(std::string_view line) {
   ++lines_;
   try {
-    take_document(json::parse(line));
+    take_document(parse_json_document(line, "worker message", "the line"));
     return true;
   } catch (const json::exception& error) {
     refusal_ = fmt::format("the worker's line {} is no valid message: {}", lines_, printable(error.what(), 300));

@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/failure.hpp"
 #include "base/hash.hpp"
-#include "base/json_fields.hpp"
+#include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "capture_format/writer.hpp"
 #include "replay/measure/image_file.hpp"
@@ -54,7 +54,7 @@ Replayed replay_in_worker(const replay::ReplayJob& job, const std::filesystem::p
   bool done = false;
   const auto take = [&](std::string_view line) {
     try {
-      const json document = json::parse(line);
+      const json document = parse_json_document(line, "worker message", "the line");
       const JsonField message(document, "worker message");
       const std::string type = message.member("type").text();
       if (type == "head") replayed.head = replay::results_head_from_json(message.member("head").raw());

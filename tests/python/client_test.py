@@ -105,6 +105,10 @@ class Tokens(Served):
         uploads = [line for line in map(parsed, lines) if line.get('operation') == 'upload_capture']
         self.assertEqual([(line['status'], line['caller'], line['level']) for line in uploads], [('201', 'ci', 'info')])
         self.assertTrue(uploads[0]['request'])
+        begun = [line for line in map(parsed, lines) if line.get('operation') == 'start_run']
+        ended = [line for line in map(parsed, lines) if line['message'].startswith('the run ended as done')]
+        self.assertEqual([line['run'] for line in begun], [line['run'] for line in ended])
+        self.assertTrue(begun[0]['run'])
         self.assertNotIn(secret, '\n'.join(lines))
 
 

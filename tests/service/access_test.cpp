@@ -39,6 +39,19 @@ TEST_F(Access, WithoutTheOptionNobodyNeedsAToken) {
 }
 
 // Every operation of the table, by everyone: less than its right is refused, that right is not.
+TEST_F(Access, WhereOtherMachinesCanCallTokensAreTheDefault) {
+  const auto status = [&](const std::vector<std::string>& options) {
+    const ServiceProcess service(folder() / "process", options);
+    Client other(service.port());
+    const httplib::Result result = other.http().Get("/api/runs");
+    return result ? result->status : -1;
+  };
+  EXPECT_EQ(status({"--listen", "0.0.0.0:0"}), 401);
+  EXPECT_EQ(status({"--listen", "0.0.0.0:0", "--no-token"}), 200);
+  EXPECT_EQ(status({"--listen", "127.0.0.1:0"}), 200);
+  EXPECT_EQ(status({"--listen", "localhost:0", "--require-token"}), 401);
+}
+
 TEST_F(Access, EveryOperationAsksForItsRight) {
   start_with_tokens();
   const std::vector<std::pair<Right, std::string>> callers{{Right::none, ""},

@@ -1,4 +1,6 @@
 // Forms of requests that are seldom and right: no length, whole addresses as targets, any case, HEAD, ranges.
+#include <fmt/format.h>
+
 #include <map>
 
 #include "base/error.hpp"
@@ -80,6 +82,21 @@ TEST_F(HttpMessages, HeadSaysWhatGetSays) {
     EXPECT_EQ(head.header("Content-Length"), std::to_string(whole.body.size())) << path;
     EXPECT_EQ(head.body, "") << path;
   }
+}
+
+// Both were found by server/fuzz.
+TEST_F(HttpMessages, MalformedRangesAreIgnored) {
+  for (const char* const range : {"bytes=-1,2-,5-4", "bytes=", "bytes=x-", "parts=0-1", "bytes=5-4"}) {
+    const Answer answer = get("/api/health", fmt::format("rAnge: {}\r\n", range));
+    EXPECT_TRUE(answer.is(200)) << range << answer.status_line;
+    EXPECT_TRUE(json::accept(answer.body)) << range << answer.body;
+  }
+}
+
+TEST_F(HttpMessages, RefusalsBeforeTheBodySayTheirLength) {
+  const Answer answer = ask("OPTIONS /api/runs HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 258\r\n");
+  EXPECT_TRUE(answer.is(405)) << answer.status_line;
+  EXPECT_EQ(answer.header("Content-Length"), std::to_string(answer.body.size()));
 }
 
 TEST_F(HttpMessages, HostInAnyCaseAndForm) {

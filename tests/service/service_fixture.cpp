@@ -107,16 +107,20 @@ RunningService::~RunningService() {
   thread_.join();
 }
 
-ServiceProcess::ServiceProcess(const fs::path& data) {
+ServiceProcess::ServiceProcess(const fs::path& data, const std::vector<std::string>& options) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) return;
-  const std::string folder = data.string();
+  std::vector<std::string> words{SUBPIXEL_BINARY,     "serve", "--data", data.string(), "--worker-program",
+                                 SUBPIXEL_FAKE_WORKER};
+  words.insert(words.end(), options.begin(), options.end());
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   pid_ = ::fork();
   if (pid_ == 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     ::dup2(ends[1], 1);
-    ::execl(SUBPIXEL_BINARY, SUBPIXEL_BINARY, "serve", "--data", folder.c_str(), "--listen", "127.0.0.1:0",
-            "--worker-program", SUBPIXEL_FAKE_WORKER, nullptr);
+    ::execv(SUBPIXEL_BINARY, arguments.data());
     ::_exit(127);
   }
   ::close(ends[1]);

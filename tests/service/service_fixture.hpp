@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "server/service.hpp"
 
@@ -71,7 +72,8 @@ class RunningService {
 // The service as a process of its own: `subpixel serve` over `data`, with the fake worker.
 class ServiceProcess {
  public:
-  explicit ServiceProcess(const std::filesystem::path& data);
+  explicit ServiceProcess(const std::filesystem::path& data,
+                          const std::vector<std::string>& options = {"--listen", "127.0.0.1:0"});
   ~ServiceProcess();
   ServiceProcess(const ServiceProcess&) = delete;
   ServiceProcess& operator=(const ServiceProcess&) = delete;

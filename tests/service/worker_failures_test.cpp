@@ -50,7 +50,7 @@ std::vector<Failure> failures() {
       {"internal", "internal error: no such shader: please report it"},
       {"hang", "said nothing for 1500 ms"},
       {"chatter", "longer than 3 s"},
-      {"garbage", "line 7 is no valid message"},
+      {"garbage", "line 7 was refused: worker message: the line is no valid JSON"},
       {"long_line", "a line of more than 1048576 bytes"},
       {"quit", "without saying that it was done"},
       {"no_done", "without saying that it was done"},

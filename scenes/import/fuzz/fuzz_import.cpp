@@ -2,12 +2,12 @@
 // which; of OBJ the rest is the model and, after a byte of 30, its material library. A model is refused with an
 // InputError or holds to what Model promises. JSON is mutated as JSON.
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <span>
 #include <string>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/fuzz/json_mutator.hpp"
 #include "scenes/import/asset_source.hpp"
 #include "scenes/import/gltf.hpp"
 #include "scenes/import/obj.hpp"
@@ -22,8 +23,6 @@
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 
 namespace {
-
-using nlohmann::json;
 
 class MemorySource final : public subpixel::capture::AssetSource {
  public:
@@ -40,56 +39,7 @@ class MemorySource final : public subpixel::capture::AssetSource {
   std::string describe(const std::string& name) const override { return name; }
 };
 
-// A value somewhere in the document becomes another, goes, or takes the place of its neighbour.
-void mutate(json& document, std::minstd_rand& random) {
-  std::vector<json*> nodes;
-  const auto collect = [&](auto& self, json& node) -> void {
-    nodes.push_back(&node);
-    if (nodes.size() < 4000 && node.is_structured())
-      for (json& child : node) self(self, child);
-  };
-  collect(collect, document);
-  json& node = *nodes[random() % nodes.size()];
-  if (node.is_structured() && !node.empty() && random() % 3 == 0) {
-    auto victim = node.begin();
-    std::advance(victim, static_cast<std::ptrdiff_t>(random() % node.size()));
-    if (random() % 2 == 0) {
-      node.erase(victim);
-    } else if (node.is_array()) {
-      const json copy = *victim;
-      node.push_back(copy);
-    } else {
-      *victim = *nodes[random() % nodes.size()];
-    }
-    return;
-  }
-  switch (random() % 6) {
-    case 0:
-      node = std::vector<double>{-1, 0, 1, 0.5, 1e39, 255, 4294967295.0, 9007199254740992.0}[random() % 8];
-      break;
-    case 1:
-      if (node.is_number_integer()) node = node.get<std::int64_t>() % (1ll << 40) + static_cast<int>(random() % 5) - 2;
-      break;
-    case 2:
-      node = std::vector<std::uint64_t>{0, 1, 2, 3, 4, 5, 5120, 5121, 5123, 5125, 5126, 65536}[random() % 12];
-      break;
-    case 3:
-      node = std::vector<std::string>{"", "SCALAR", "VEC2", "VEC3", "VEC4", "MAT4", "MASK", "BLEND"}[random() % 8];
-      break;
-    case 4:
-      node = *nodes[random() % nodes.size()];
-      break;
-    default:
-      node = nullptr;
-  }
-}
-
-std::string mutated_json(std::string_view text, std::minstd_rand& random) {
-  json document = json::parse(text, nullptr, false);
-  if (document.is_discarded()) return {};
-  for (unsigned long count = 1 + random() % 3; count > 0; --count) mutate(document, random);
-  return document.dump(-1, ' ', false, json::error_handler_t::replace);
-}
+constexpr std::array<std::string_view, 8> kWords{"", "SCALAR", "VEC2", "VEC3", "VEC4", "MAT4", "MASK", "BLEND"};
 
 }  // namespace
 
@@ -108,7 +58,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     rest = text.substr(20 + length);
     text = text.substr(20, length);
   }
-  std::string made = mutated_json(text, random);
+  std::string made = subpixel::mutated_json(text, kWords, random);
   if (made.empty()) return LLVMFuzzerMutate(data, size, most);
   if (is_glb) {
     made.resize((made.size() + 3) / 4 * 4, ' ');
