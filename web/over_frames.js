@@ -11,7 +11,8 @@ let library = null;
 function loadPlots() {
   library ??= new Promise((resolve, reject) => {
     document.head.append(h('link', {rel: 'stylesheet', href: '/uplot.min.css'}),
-      h('script', {src: '/uplot.min.js', onload: () => resolve(window.uPlot), onerror: () => reject(new Error('the plots could not be loaded'))}));
+      // It has run in a task of its own when the first plot is made.
+      h('script', {src: '/uplot.min.js', onload: () => setTimeout(() => resolve(window.uPlot)), onerror: () => reject(new Error('the plots could not be loaded'))}));
   });
   return library;
 }
