@@ -32,6 +32,18 @@ export function replace(parent, ...children) {
   append(parent, children);
 }
 
+// What is set as it is already makes the browser lay it out again, so it is asked first.
+/** The text of an element without children. */
+export function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/** An attribute, which null takes away. */
+export function setAttribute(element, name, value) {
+  if (value === null) element.removeAttribute(name);
+  else if (element.getAttribute(name) !== value) element.setAttribute(name, value);
+}
+
 /** Says something to screen readers. */
 export function announce(text) {
   document.getElementById('announcer').textContent = text;

@@ -8,6 +8,7 @@ import {setKeys} from './keys.js';
 import {layerOf} from './run_layers.js';
 import {countsText, nightLength} from './nights_page.js';
 import {statusPill} from './runs_page.js';
+import {viewHints, viewKeys} from './view_input.js';
 
 const marks = {passed: '✓', failed: '✕', missing: '∅', new: '+', unjudged: '·'};
 const differenceScale = {map: 'magma', maximum: 0.25, description: 'largest absolute difference of the sRGB channels to the baseline', unit: ''};
@@ -30,8 +31,8 @@ class NightPage {
 
   constructor(night, baselines, registry) {
     this.#registry = registry;
-    setKeys('Picture', this.#view.keys());
-    setKeys('On the picture', CompareView.hints);
+    setKeys('Picture', viewKeys(this.#view));
+    setKeys('On the picture', viewHints);
     this.#night = night;
     this.#baselines = baselines;
     this.#drawApproval();

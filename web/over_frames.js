@@ -1,6 +1,7 @@
 // A measure over the frames of a run, a line for each technique (uPlot), and as SVG for files.
 import {h, replace} from './dom.js';
 import {download} from './files.js';
+import {Later} from './later.js';
 import {measureOf, measures, measureTitle} from './measures.js';
 import {measureOptions} from './scatter.js';
 import {axes, colours, s, svgText, tickText} from './svg.js';
@@ -10,11 +11,13 @@ let library = null;
 function loadPlots() {
   library ??= new Promise((resolve, reject) => {
     document.head.append(h('link', {rel: 'stylesheet', href: '/uplot.min.css'}),
-      h('script', {src: '/uplot.min.js', onload: () => resolve(window.uPlot), onerror: () => reject(new Error('the plots could not be loaded'))}));
+      // It has run in a task of its own when the first plot is made.
+      h('script', {src: '/uplot.min.js', onload: () => setTimeout(() => resolve(window.uPlot)), onerror: () => reject(new Error('the plots could not be loaded'))}));
   });
   return library;
 }
 
+const plotHeight = 280;
 const choices = measures.filter(({key}) => !['ratio', 'psnr'].includes(key));
 const colourOf = (i) => colours[i % colours.length];
 
@@ -49,11 +52,14 @@ export class OverFrames {
   #on;
   #plot = null;
   #made = '';          // what the plot was made for; other data go into the same one
+  #closed = false;
   #hidden = new Set(); // labels of lines that are off
   #data = {frames: [], series: []};
   #frame = 0;
-  #turn = 0;
-  #resize = new ResizeObserver(() => this.#plot?.setSize({width: this.#place.clientWidth, height: 280}));
+  #frameLine = h('div.frame-line', {});
+  #keysFor = '';       // what the keys were drawn for
+  #later = new Later(this.#place, () => this.#render());
+  #resize = new ResizeObserver(() => this.#plot?.setSize({width: this.#place.clientWidth, height: plotHeight}));
 
   /** `chosen`: {measure, log}; `on.change(chosen)`, `on.frame(frame)`. */
   constructor(chosen, name, on) {
@@ -81,17 +87,23 @@ export class OverFrames {
   draw(frames, series, frame) {
     this.#data = {frames, series: series.map((line, i) => ({...line, colour: colourOf(i)}))};
     this.#frame = frame;
-    this.#render();
+    this.#later.ask();
   }
 
   setFrame(frame) {
     this.#frame = frame;
-    this.#plot?.redraw(false);
+    this.#placeLine();
   }
 
-  async #render() {
-    const mine = ++this.#turn;
-    const {frames, series} = this.#data;
+  #placeLine() {
+    if (this.#plot) this.#frameLine.style.left = `${Math.round(this.#plot.valToPos(this.#frame, 'x'))}px`;
+  }
+
+  #drawKeys() {
+    const {series} = this.#data;
+    const keysFor = JSON.stringify([series.map(({label}) => label), [...this.#hidden]]);
+    if (keysFor === this.#keysFor) return;
+    this.#keysFor = keysFor;
     replace(this.#keys, series.map(({label, colour}) => {
       const key = h('i.key', {});
       key.style.background = colour;
@@ -100,48 +112,54 @@ export class OverFrames {
         this.#render();
       }}, key, label);
     }));
+  }
+
+  async #render() {
+    this.#drawKeys();
     let UPlot;
     try {
       UPlot = await loadPlots();
     } catch (error) {
       return replace(this.#place, h('p.problem', {}, error.message));
     }
-    if (mine !== this.#turn) return;
+    if (this.#closed) return;
+    const {frames, series} = this.#data;
     const data = [frames, ...series.map((line) => this.#values(line))];
+    this.#place.dataset.drawn = this.#chosen.measure;
     if (data.slice(1).every((values) => values.every((value) => value === null))) {
       this.#plot?.destroy();
       this.#plot = null;
       return replace(this.#place, h('p.quiet', {}, 'Nothing is measured yet.'));
     }
     const made = JSON.stringify([series.map(({label}) => label), this.#chosen, [...this.#hidden], document.documentElement.dataset.theme]);
-    this.#place.dataset.drawn = this.#chosen.measure;
     if (this.#plot && this.#made === made) return this.#plot.setData(data);
     this.#plot?.destroy();
     this.#made = made;
+    replace(this.#place);
+    this.#plot = new UPlot(this.#options(), data, this.#place);
+    this.#plot.over.append(this.#frameLine);
+    this.#placeLine();
+  }
+
+  // Of the plot, as uPlot wants them.
+  #options() {
+    const {log, measure} = this.#chosen;
+    const {frames, series} = this.#data;
     const style = getComputedStyle(document.documentElement);
     const [ink, line] = [style.getPropertyValue('--ink').trim(), style.getPropertyValue('--line').trim()];
     const axis = {stroke: ink, grid: {stroke: line, width: 1}, ticks: {stroke: line}};
-    const {log, measure} = this.#chosen;
-    replace(this.#place);
-    this.#plot = new UPlot({
-      width: this.#place.clientWidth || 600, height: 280, legend: {show: false}, cursor: {drag: {x: false, y: false}, points: {size: 6}},
+    return {
+      width: this.#place.clientWidth || 600, height: plotHeight, legend: {show: false}, cursor: {drag: {x: false, y: false}, points: {size: 6}},
       scales: {x: {time: false}, y: log ? {distr: 3} : {range: (_, low, high) => [Math.min(0, low ?? 0), (high ?? 1) * 1.06 || 1]}},
       axes: [{...axis, label: 'Frame', labelSize: 22, size: 38, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 10000]}, {...axis, label: measureTitle(measureOf(measure)), labelSize: 22, size: 66, values: (_, ticks) => ticks.map((v) => (v === null ? '' : tickText(v)))}],
       series: [{}, ...series.map(({label, colour}) => ({label, stroke: colour, width: 1.6, show: !this.#hidden.has(label), spanGaps: false, points: {show: frames.length < 2}}))],
       hooks: {
-        draw: [(plot) => {
-          const x = Math.round(plot.valToPos(this.#frame, 'x', true));
-          plot.ctx.strokeStyle = ink;
-          plot.ctx.beginPath();
-          plot.ctx.moveTo(x, plot.bbox.top);
-          plot.ctx.lineTo(x, plot.bbox.top + plot.bbox.height);
-          plot.ctx.stroke();
-        }],
+        draw: [() => this.#placeLine()],
         ready: [(plot) => plot.over.addEventListener('click', () => {
           if (plot.cursor.idx !== null) this.#on.frame(this.#data.frames[plot.cursor.idx]);
         })],
       },
-    }, data, this.#place);
+    };
   }
 
   #values({of}) {
@@ -154,6 +172,8 @@ export class OverFrames {
   }
 
   close() {
+    this.#closed = true;
+    this.#later.close();
     this.#resize.disconnect();
     this.#plot?.destroy();
   }

@@ -1,6 +1,6 @@
 // The measured figures of one frame, or their means over all frames: one row for each technique, sorted, filtered, grouped.
-import {h} from './dom.js';
-import {count, fixed, missing, shortCount} from './format.js';
+import {h, replace, setAttribute, setText} from './dom.js';
+import {fixed, missing} from './format.js';
 import {judge, measures, valueOf} from './measures.js';
 
 /** The rows as they are shown: [{title, rows}], one group without a title when they are not grouped. */
@@ -23,6 +23,8 @@ export function arrange(rows, {sort, descending, filter, group}, baseline) {
   return [...groups].map(([title, members]) => ({title: group === 'run' ? `Run ${title}` : title, rows: members}));
 }
 
+const marks = {best: ['●', 'best'], within: ['≈', 'within the spread of the best']};
+
 function groupRow() {
   const cells = [h('td', {})];
   for (let i = 0; i < measures.length;) {
@@ -34,39 +36,111 @@ function groupRow() {
   return h('tr', {}, cells);
 }
 
-const marks = {best: ['●', 'best'], within: ['≈', 'within the spread of the best']};
+// A figure with its mark and bar. Frames follow each other in the same cells: only what changes is touched.
+class Cell {
+  #measure;
+  #mark = h('span', {});
+  #text = document.createTextNode('');
+  #spread = h('small', {});
+  #bar = h('i.cell-bar', {'aria-hidden': true});
+  #verdict = '';
+  #width = '';
 
-/**
- * @param groups of arrange()
- * @param baseline the summary all times are divided by, or null
- * @param order {sort, descending}
- * @param on {select(row), sort(key)}
- */
-export function resultsTable(groups, baseline, order, on) {
-  const rows = groups.flatMap((group) => group.rows);
-  const judges = measures.map(({key}) => judge(rows, key, baseline));
-  const largest = measures.map(({key}) => Math.max(...rows.map((row) => valueOf(row, key, baseline)).filter((v) => Number.isFinite(v)), 0));
-  const heading = (key, title, unit, hint, number) => {
-    const active = order.sort === key;
-    return h(number ? 'th.number' : 'th', {scope: 'col', title: hint, 'aria-sort': active ? (order.descending ? 'descending' : 'ascending') : null},
-      h('button.sort', {type: 'button', 'data-sort': key, onclick: () => on.sort(key)}, title, unit && h('small', {}, ` ${unit}`), h('span.arrow', {'aria-hidden': true}, active ? (order.descending ? ' ▼' : ' ▲') : '')));
-  };
-  return h('div.scroll', {tabindex: 0, role: 'region', 'aria-label': 'Figures'}, h('table.results', {}, h('thead', {}, groupRow(), h('tr', {},
-    heading('label', 'Technique', '', '', false), measures.map(({key, title, unit, hint}) => heading(key, title, unit, hint, true)))),
-  groups.map((group) => h('tbody', {}, group.title && h('tr.group-title', {}, h('th', {scope: 'rowgroup', colspan: measures.length + 1}, group.title)),
-    group.rows.map((row) => h('tr', {class: row.selected ? 'selected' : ''},
-      h('th', {scope: 'row'}, h('button.row-select', {type: 'button', 'aria-pressed': String(row.selected), 'data-row': row.select, onclick: () => on.select(row.select)}, row.label)),
-      row.summary ? measures.map((measure, i) => cell(row, measure, valueOf(row, measure.key, baseline), largest[i], judges[i](row)))
-        : h('td.quiet', {colspan: measures.length}, 'not measured yet')))))));
+  constructor(measure) {
+    this.#measure = measure;
+    this.element = h('td.number', {}, h('span.cell-text', {}, this.#mark, this.#text, measure.key === 'total' && this.#spread), this.#bar);
+  }
+
+  draw(row, value, largest, verdict) {
+    const text = Number.isNaN(value) ? missing : this.#measure.text(value);
+    if (this.#text.data !== text) this.#text.data = text;
+    if (this.#measure.key === 'total') setText(this.#spread, ` ± ${fixed(row.summary.spread / 2, 1)}`);
+    const width = `${largest > 0 && Number.isFinite(value) ? (100 * value) / largest : 0}%`;
+    if (this.#width !== width) this.#bar.style.width = this.#width = width;
+    if (this.#measure.long) setAttribute(this.element, 'title', this.#measure.long(value));
+    if (this.#verdict === verdict) return;
+    this.#verdict = verdict;
+    this.element.className = verdict ? `number ${verdict}` : 'number';
+    const [mark, words] = marks[verdict] ?? [];
+    replace(this.#mark, mark && h('span.mark', {title: words}, h('span', {'aria-hidden': true}, mark), h('span.visually-hidden', {}, ` ${words} `)));
+  }
 }
 
-function cell(row, measure, value, largest, verdict) {
-  const bar = h('i.cell-bar', {'aria-hidden': true});
-  bar.style.width = `${largest > 0 && Number.isFinite(value) ? (100 * value) / largest : 0}%`;
-  const [mark, words] = marks[verdict] ?? [];
-  const spread = measure.key === 'total' && h('small', {}, ` ± ${fixed(row.summary.spread / 2, 1)}`);
-  return h('td.number', {class: verdict, title: measure.long?.(value)},
-    h('span.cell-text', {}, mark && h('span.mark', {title: words}, h('span', {'aria-hidden': true}, mark), h('span.visually-hidden', {}, ` ${words} `)), Number.isNaN(value) ? missing : measure.text(value), spread), bar);
+// A technique's line.
+class Line {
+  #select = h('button.row-select', {type: 'button'});
+  #head = h('th', {scope: 'row'}, this.#select);
+  #cells = null;
+
+  constructor(select) {
+    this.element = h('tr', {}, this.#head);
+    this.#select.addEventListener('click', select);
+  }
+
+  draw(row, baseline, largest, judges) {
+    setText(this.#select, row.label);
+    this.#select.dataset.row = row.select;
+    setAttribute(this.#select, 'aria-pressed', String(row.selected));
+    this.element.classList.toggle('selected', row.selected);
+    if (Boolean(this.#cells) !== Boolean(row.summary) || this.element.childElementCount === 1) {
+      this.#cells = row.summary ? measures.map((measure) => new Cell(measure)) : null;
+      this.element.replaceChildren(this.#head, ...(this.#cells?.map(({element}) => element) ?? [h('td.quiet', {colspan: measures.length}, 'not measured yet')]));
+    }
+    this.#cells?.forEach((cell, i) => cell.draw(row, valueOf(row, measures[i].key, baseline), largest[i], judges[i](row)));
+  }
+}
+
+export class ResultsTable {
+  #on;
+  #headings = new Map();  // key -> {element, arrow}
+  #lines = new Map();     // a row's `select` -> Line
+  #table;
+  #arranged = '';         // which lines lie where
+
+  /** `on`: {select(row), sort(key)} */
+  constructor(on) {
+    this.#on = on;
+    this.#table = h('table.results', {}, h('thead', {}, groupRow(), h('tr', {}, this.#heading('label', 'Technique', '', '', 'th'),
+      measures.map(({key, title, unit, hint}) => this.#heading(key, title, unit, hint, 'th.number')))));
+    this.element = h('div.scroll', {tabindex: 0, role: 'region', 'aria-label': 'Figures'}, this.#table);
+  }
+
+  #heading(key, title, unit, hint, tag) {
+    const arrow = h('span.arrow', {'aria-hidden': true});
+    const element = h(tag, {scope: 'col', title: hint}, h('button.sort', {type: 'button', 'data-sort': key, onclick: () => this.#on.sort(key)}, title, unit && h('small', {}, ` ${unit}`), arrow));
+    this.#headings.set(key, {element, arrow});
+    return element;
+  }
+
+  /**
+   * @param groups of arrange()
+   * @param baseline the summary all times are divided by, or null
+   * @param order {sort, descending}
+   */
+  draw(groups, baseline, {sort, descending}) {
+    for (const [key, {element, arrow}] of this.#headings) {
+      setAttribute(element, 'aria-sort', key !== sort ? null : descending ? 'descending' : 'ascending');
+      setText(arrow, key !== sort ? '' : descending ? ' ▼' : ' ▲');
+    }
+    const rows = groups.flatMap((group) => group.rows);
+    const judges = measures.map(({key}) => judge(rows, key, baseline));
+    const largest = measures.map(({key}) => Math.max(...rows.map((row) => valueOf(row, key, baseline)).filter((v) => Number.isFinite(v)), 0));
+    for (const row of rows) {
+      if (!this.#lines.has(row.select)) this.#lines.set(row.select, new Line(() => this.#on.select(row.select)));
+      this.#lines.get(row.select).draw(row, baseline, largest, judges);
+    }
+    this.#arrange(groups);
+  }
+
+  #arrange(groups) {
+    const arranged = JSON.stringify(groups.map(({title, rows}) => [title, rows.map(({select}) => select)]));
+    if (arranged === this.#arranged) return;
+    this.#arranged = arranged;
+    const focused = this.element.contains(document.activeElement) ? document.activeElement : null;
+    this.#table.replaceChildren(this.#table.tHead, ...groups.map(({title, rows}) => h('tbody', {},
+      title && h('tr.group-title', {}, h('th', {scope: 'rowgroup', colspan: measures.length + 1}, title)), rows.map(({select}) => this.#lines.get(select).element))));
+    if (focused?.isConnected) focused.focus({preventScroll: true});
+  }
 }
 
 /** The table as Markdown. */
@@ -79,38 +153,4 @@ export function tableMarkdown(groups, baseline) {
       return Number.isNaN(value) ? missing : measure.text(value);
     })]))]);
   return [line(head), line(['---', ...measures.map(() => '---:')]), ...body].join('\n') + '\n';
-}
-
-/** The passes of each technique as bars of one scale, with their times and fragments as text. */
-export function passBars(rows) {
-  const measured = rows.filter((row) => row.summary);
-  if (measured.length === 0) return h('p.quiet', {}, 'Nothing is measured yet.');
-  const longest = Math.max(...measured.map((row) => row.summary.total), 1e-9);
-  return h('ul.pass-bars', {}, measured.map(({label, summary}) => {
-    const bar = h('div.pass-bar', {});
-    const list = h('div.pass-list', {});
-    [...summary.passes].forEach(([name, ms], i) => {
-      const part = h('span', {class: `pass-${i % 8}`, title: `${name}: ${fixed(ms, 2)} ms`});
-      part.style.width = `${(100 * ms) / longest}%`;
-      bar.append(part);
-      list.append(h('span', {}, h('i', {class: `key pass-${i % 8}`}), name, ' ', h('b', {}, fixed(ms, 2)),
-        summary.fragments.has(name) && h('span.quiet', {title: 'fragments shaded in a frame'}, ` ${shortCount(summary.fragments.get(name))} fragments`)));
-    });
-    return h('li', {}, h('div.pass-title', {}, label, ' ', h('span.quiet', {}, `${fixed(summary.total, 1)} ms`)), bar, list);
-  }));
-}
-
-/** How many pixels took how many lighting executions. */
-export function executionHistogram(result) {
-  const histogram = result.shading.histogram;
-  const most = Math.max(...histogram, 1);
-  const total = histogram.reduce((sum, value) => sum + value, 0);
-  const last = histogram.findLastIndex((value) => value > 0);
-  return h('table.histogram', {}, h('caption', {}, 'Lighting executions per pixel'),
-    h('tbody', {}, histogram.slice(0, last + 1).map((value, executions) => {
-      const bar = h('div.bar', {});
-      bar.style.width = `${(100 * value) / most}%`;
-      return h('tr', {}, h('th', {scope: 'row'}, executions), h('td.bar-cell', {}, bar),
-        h('td.number', {title: `${count(value)} pixels`}, total > 0 ? `${fixed((100 * value) / total, 1)} %` : missing));
-    })));
 }

@@ -2,6 +2,7 @@
 // nothing beats in both. A point selects its row.
 import {h, replace} from './dom.js';
 import {download} from './files.js';
+import {Later} from './later.js';
 import {measureOf, measures, measureTitle, paretoFront, valueOf} from './measures.js';
 import {axes, colours, s, svgText} from './svg.js';
 
@@ -58,6 +59,7 @@ export class Scatter {
   #baseline = null;
   #chosen;
   #on;
+  #later = new Later(this.#drawing, () => this.#render());
 
   /** `chosen`: {x, y, logX, logY}; `on.change(chosen)`, `on.select(row)`; `name` begins the names of files. */
   constructor(chosen, name, on) {
@@ -77,11 +79,20 @@ export class Scatter {
   #choose(change) {
     Object.assign(this.#chosen, change);
     this.#on.change(this.#chosen);
-    this.draw(this.#rows, this.#baseline);
+    this.#render();
   }
 
   draw(rows, baseline) {
     [this.#rows, this.#baseline] = [rows, baseline];
+    this.#later.ask();
+  }
+
+  close() {
+    this.#later.close();
+  }
+
+  #render() {
+    const [rows, baseline] = [this.#rows, this.#baseline];
     const focused = this.#drawing.contains(document.activeElement) ? document.activeElement.dataset.row : null;
     this.#drawing.dataset.drawn = `${this.#chosen.x} ${this.#chosen.y}`;
     if (!rows.some((row) => row.summary)) return replace(this.#drawing, h('p.quiet', {}, 'Nothing is measured yet.'));

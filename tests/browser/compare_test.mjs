@@ -384,6 +384,40 @@ const tests = [
     await browser.shot('two-runs');
   }],
 
+  ['frames follow each other in the same elements', async () => {
+    await openRun('#/runs/1?frame=1');
+    await page.locator('.lines canvas').waitFor();
+    const labels = () => page.locator('.results .row-select').allInnerTexts();
+    const figures = () => page.locator('.results').innerText();
+    const before = {labels: await labels(), figures: await figures()};
+    const added = await page.evaluate(async (swaps) => {
+      const view = document.querySelector('.view');
+      let [nodes, layouts] = [0, 0];
+      const of = (node) => 1 + [...node.childNodes].reduce((sum, child) => sum + of(child), 0);
+      const observer = new MutationObserver((records) => records.forEach(({addedNodes}) => addedNodes.forEach((node) => (nodes += of(node)))));
+      const ask = Element.prototype.getBoundingClientRect;
+      Element.prototype.getBoundingClientRect = function () {
+        ++layouts;
+        return ask.call(this);
+      };
+      observer.observe(document.getElementById('main'), {childList: true, subtree: true});
+      document.querySelector('.plot').scrollIntoView();  // its points are drawn for each frame only while they are seen
+      document.querySelector('.results').scrollIntoView();
+      for (let i = 0; i < swaps; ++i) {
+        const shown = view.dataset.shown;
+        dispatchEvent(new KeyboardEvent('keydown', {key: ']'}));
+        while (view.dataset.shown === shown) await new Promise(requestAnimationFrame);
+      }
+      observer.disconnect();
+      Element.prototype.getBoundingClientRect = ask;
+      return {nodes: nodes / swaps, layouts};
+    }, 8);
+    assert.ok(added.nodes < 30, `${added.nodes} nodes are made for a frame`);
+    assert.equal(added.layouts, 0, 'the page is laid out on demand');
+    await page.waitForFunction((text) => document.querySelector('.results').innerText !== text, before.figures);
+    assert.deepEqual(await labels(), before.labels);
+  }],
+
   // Report --------------------------------------------------------------------------------------------------------
   ['the address restores the view whole', async () => {
     await openRun('#/runs/1');

@@ -1,0 +1,46 @@
+// The 50 places where a layer has most, as thumbnails: of a map its own numbers, of an image its error.
+import {announce, h, replace} from './dom.js';
+import {ask, bitmap} from './pixels.js';
+import {coloured, isMap, source, valueText} from './view_state.js';
+
+const [cut, shown] = [24, 72];  // image pixels across a thumbnail, and its CSS pixels
+
+export class WorstPlaces {
+  element = h('section.worst-panel', {});
+  #goTo;
+
+  /** `goTo(x, y)` is called for a place that was chosen. */
+  constructor(goTo) {
+    this.#goTo = goTo;
+  }
+
+  /** Lists them, of the layer that is shown or else the first that has an error; or closes the list. */
+  async toggle(state, layers) {
+    if (this.element.hasChildNodes()) return replace(this.element);
+    const layer = [layers[state.a], ...layers].find((candidate) => candidate && (candidate.reference || isMap(candidate)));
+    if (!layer) return replace(this.element, h('p.quiet', {}, 'None of these layers has an error: there is no reference.'));
+    let places;
+    let picture;
+    try {
+      places = await ask('worst', {layer: {...source(layer), reference: layer.reference && source(layer.reference)}});
+      const {operation, request} = coloured(state, layer);
+      picture = await bitmap(operation, request);
+    } catch (error) {
+      return replace(this.element, h('p.problem', {}, error.message));
+    }
+    replace(this.element, h('div.section-head', {}, h('h3', {}, `Worst places of ${layer.label}`),
+      h('button.plain', {type: 'button', onclick: () => replace(this.element)}, 'Close the list')),
+    places.length === 0 ? h('p.quiet', {}, 'There are none: it is 0 everywhere.') : h('ol.worst', {}, places.map((place, i) => this.#item(place, i, picture.bitmap))));
+  }
+
+  #item({x, y, value}, i, picture) {
+    const canvas = h('canvas', {width: shown, height: shown, 'aria-hidden': true});
+    const context = canvas.getContext('2d');
+    context.imageSmoothingEnabled = false;
+    context.drawImage(picture, x - cut / 2, y - cut / 2, cut, cut, 0, 0, shown, shown);
+    return h('li', {}, h('button.place', {type: 'button', 'aria-label': `Place ${i + 1}: x ${x}, y ${y}, ${valueText(value, 'half')}`, onclick: () => {
+      this.#goTo(x, y);
+      announce(`x ${x}, y ${y}`);
+    }}, canvas, h('span', {}, valueText(value, 'half'))));
+  }
+}
