@@ -11,8 +11,12 @@ function work() {
   if (due.length > 0) timer = setTimeout(work, 0);
 }
 
-/** A part of the page: `draw()` is called soon after ask() while `element` is in sight, else once nothing was asked for a while. */
+/**
+ * A part of the page: `draw()` is called soon after ask() while `element` is in sight, else once nothing was asked for a while.
+ * Until then the element is busy (aria-busy).
+ */
 export class Later {
+  #element;
   #draw;
   #wanted = false;
   #seen = false;
@@ -23,12 +27,14 @@ export class Later {
   }, {rootMargin: '150px'});
 
   constructor(element, draw) {
+    this.#element = element;
     this.#draw = draw;
     this.#observer.observe(element);
   }
 
   ask() {
     this.#wanted = true;
+    this.#element.setAttribute('aria-busy', 'true');
     clearTimeout(this.#timer);
     if (this.#seen) this.#enqueue();
     else this.#timer = setTimeout(() => this.#enqueue(), quiet);
@@ -40,6 +46,7 @@ export class Later {
     if (!this.#wanted) return;
     this.#wanted = false;
     this.#draw();
+    this.#element.removeAttribute('aria-busy');
   }
 
   close() {

@@ -1,4 +1,6 @@
 // Tokens: who may do what, what is counted, what is kept of approvals, and the form's cookie.
+#include <fmt/format.h>
+
 #include "base/error.hpp"
 #include "server/nightly/night_store.hpp"
 #include "server/store/tokens.hpp"
@@ -76,7 +78,7 @@ TEST_F(Access, EveryOperationAsksForItsRight) {
       }
       const std::string needed = operation.at("x-right");
       for (const auto& [right, token] : callers) {
-        SCOPED_TRACE(method + " " + path + " by " + std::string(to_text(right)));
+        SCOPED_TRACE(fmt::format("{} {} by {}", method, path, to_text(right)));
         const httplib::Headers headers = token.empty() ? httplib::Headers{} : bearer(token);
         const httplib::Result result = method == "get" ? client().http().Get(target, headers)
                                        : method == "delete"
