@@ -13,8 +13,8 @@
 #include "include/ordered_state_words.glsl"
 #include "techniques/dcaa/surface.glsl"
 
-// Averages weighted by coverage; coverage by OR (section 3.2).
-DcaaSurface dcaa_merged(DcaaSurface a, DcaaSurface b) {
+// Averages weighted by coverage; coverage by OR (section 3.2). The normals are those of the facets.
+DcaaSurface dcaa_merged(DcaaSurface a, vec3 normal_a, DcaaSurface b, vec3 normal_b) {
   uvec2 weighing_a = a.coverage, weighing_b = b.coverage;
   if (dcaa_option(DCAA_WEIGHT_SHOWN)) {
     weighing_a &= b.depth > a.depth ? ~b.coverage : uvec2(0xffffffffu);
@@ -23,7 +23,7 @@ DcaaSurface dcaa_merged(DcaaSurface a, DcaaSurface b) {
   BlendWeights weights = weights_by_samples(dcaa_count(weighing_a), dcaa_count(weighing_b));
   DcaaSurface merged;
   merged.coverage = a.coverage | b.coverage;
-  merged.facet = dcaa_pack_facet(blend(dcaa_facet(a.facet), dcaa_facet(b.facet), weights));
+  merged.facet = dcaa_pack_facet(blend(normal_a, normal_b, weights));
   merged.depth = dcaa_rounded_depth(blend(a.depth, b.depth, weights));
   merged.albedo = blend_albedo(a.albedo, b.albedo, weights);
   merged.normal = dcaa_pack_shading(blend(dcaa_shading(a.normal), dcaa_shading(b.normal), weights));
@@ -60,9 +60,10 @@ DcaaPlane dcaa_select(bool condition, DcaaPlane yes, DcaaPlane no) {
   return DcaaPlane(condition ? yes.normal : no.normal, condition ? yes.slopes : no.slopes);
 }
 
-// Section 3.3, with the list full. Entry SURFACES is the fragment.
-void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], inout DcaaPlane plane[DCAA_MAX_SURFACES],
-                    inout DcaaSurface fragment, inout DcaaPlane own, vec3 ray, DcaaView view) {
+// Section 3.3, with the list full: which entry has to go, which samples it shows, which entry it joins. Entry SURFACES is the
+// fragment, the one after it none.
+void dcaa_find_room(DcaaSurface surface[DCAA_MAX_SURFACES], DcaaPlane plane[DCAA_MAX_SURFACES], DcaaSurface fragment,
+                    DcaaPlane own, vec3 ray, DcaaView view, out uint leaving, out uint partner, out uvec2 shows) {
   uvec2 coverage[DCAA_MAX_SURFACES + 1];
   float depth[DCAA_MAX_SURFACES + 1];
   for (uint i = 0u; i < SURFACES; ++i) {
@@ -73,8 +74,10 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
   depth[SURFACES] = fragment.depth;
 
   // The coarse resolve: what each covers that none in front of its centre does.
-  uint least = 0xffffffffu, leaving = 0u, leaving_rank = 0u;
-  uvec2 leaving_shows = uvec2(0u);
+  leaving = 0u;
+  partner = SURFACES + 1u;
+  shows = uvec2(0u);
+  uint least = 0xffffffffu, leaving_rank = 0u;
 #define COARSE(i)                                                                          \
   {                                                                                        \
     uvec2 hidden = uvec2(0u);                                                              \
@@ -90,61 +93,38 @@ void dcaa_make_room(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
     least = better ? shown : least;                                                        \
     leaving = better ? i : leaving;                                                        \
     leaving_rank = better ? rank : leaving_rank;                                           \
-    leaving_shows = better ? coverage[i] & ~hidden : leaving_shows;                        \
+    shows = better ? coverage[i] & ~hidden : shows;                                        \
   }
   EACH_SURFACE(COARSE)
   COARSE(SURFACES)
 #undef COARSE
-  DcaaSurface gone = fragment;
-  DcaaPlane gone_plane = own;
-  for (uint i = 0u; i < SURFACES; ++i) {
-    gone = dcaa_select(leaving == i, surface[i], gone);
-    gone_plane = dcaa_select(leaving == i, plane[i], gone_plane);
-  }
 
   // The second merge: of the paper, with the surface that shares most of its depth interval, all of it; of DCAA_NEAREST, with
   // the nearest, which keeps its plane, as much of it as shows.
   const bool kNearest = dcaa_option(DCAA_NEAREST);
-  uint partner = SURFACES + 1u;
   for (bool joins = kNearest ? least > 0u : dcaa_option(DCAA_SECOND_MERGE); joins; joins = false) {
-    vec2 interval = dcaa_interval(gone_plane, gone.depth);
-    float place = kNearest ? dcaa_place(gone.depth, ray, view) : 0.0;
+    DcaaPlane gone = own;
+    float gone_depth = fragment.depth;
+    for (uint i = 0u; i < SURFACES; ++i) {
+      gone = dcaa_select(leaving == i, plane[i], gone);
+      gone_depth = leaving == i ? depth[i] : gone_depth;
+    }
+    vec2 interval = dcaa_interval(gone, gone_depth);
+    float place = kNearest ? dcaa_place(gone_depth, ray, view) : 0.0;
     float best = kNearest ? -1e30 : -1.0;
-    DcaaSurface with = fragment;
-#define CONSIDER(i, other, its)                                                                                        \
-  {                                                                                                                    \
-    float score = kNearest ? -dcaa_distance(dcaa_place(other.depth, ray, view), its.normal, place, gone_plane.normal)  \
-                           : dcaa_shared_depth(dcaa_interval(its, other.depth), interval);                             \
-    bool better = i != leaving && score > best;                                                                        \
-    best = better ? score : best;                                                                                      \
-    partner = better ? i : partner;                                                                                    \
-    with = dcaa_select(better, other, with);                                                                           \
+#define CONSIDER(i, its)                                                                                      \
+  {                                                                                                           \
+    float score = kNearest ? -dcaa_distance(dcaa_place(depth[i], ray, view), its.normal, place, gone.normal)  \
+                           : dcaa_shared_depth(dcaa_interval(its, depth[i]), interval);                       \
+    bool better = i != leaving && score > best;                                                               \
+    best = better ? score : best;                                                                             \
+    partner = better ? i : partner;                                                                           \
   }
-#define CONSIDER_SURFACE(i) CONSIDER(i, surface[i], plane[i])
+#define CONSIDER_SURFACE(i) CONSIDER(i, plane[i])
     EACH_SURFACE(CONSIDER_SURFACE)
-    CONSIDER(SURFACES, fragment, own)
+    CONSIDER(SURFACES, own)
 #undef CONSIDER_SURFACE
 #undef CONSIDER
-    uvec3 facet = with.facet;
-    float depth = with.depth;
-    if (kNearest) gone.coverage = leaving_shows;
-    with = dcaa_merged(with, gone);
-    with.facet = kNearest ? facet : with.facet;
-    with.depth = kNearest ? depth : with.depth;
-    for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_select(partner == i, with, surface[i]);
-    fragment = dcaa_select(partner == SURFACES, with, fragment);
-    if (!kNearest) {
-      DcaaPlane joint = dcaa_plane(with, ray, view);
-      for (uint i = 0u; i < SURFACES; ++i) plane[i] = dcaa_select(partner == i, joint, plane[i]);
-      own = dcaa_select(partner == SURFACES, joint, own);
-    }
-  }
-  bool joined = partner <= SURFACES, vanishes = kNearest && least == 0u;
-  word = count_more(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS, joined ? 1u : 0u);
-  word = count_more(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS, joined || vanishes ? 0u : 1u);
-  for (uint i = 0u; i < SURFACES; ++i) {
-    surface[i] = dcaa_select(leaving == i, fragment, surface[i]);
-    plane[i] = dcaa_select(leaving == i, own, plane[i]);
   }
 }
 
@@ -164,12 +144,14 @@ uvec2 dcaa_not_hidden(uint count, DcaaSurface surface[DCAA_MAX_SURFACES], DcaaPl
   return left;
 }
 
-// Adds a fragment, which brings at least one sample, to the pixel.
+// Adds a fragment, which brings at least one sample, to the pixel. It merges with a surface, or takes a slot; where none is
+// free something leaves, which may join another. One merge at most, so that code for one serves both kinds.
 void dcaa_add_shown(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES], inout DcaaPlane plane[DCAA_MAX_SURFACES],
                     DcaaSurface fragment, DcaaPlane own, vec3 ray, DcaaView view) {
+  const uint kNone = SURFACES + 1u;
+  const bool kNearest = dcaa_option(DCAA_NEAREST);
   uint count = field_of(word, 0u, DCAA_COUNT_BITS);
-  uint target = count;
-  bool merges = false;
+  uint target = kNone;
   // Loops, here and below, are skipped when no lane needs them.
   for (bool any_surface = count > 0u; any_surface; any_surface = false) {
     vec3 normal = own.normal;
@@ -185,27 +167,50 @@ void dcaa_add_shown(inout uint word, inout DcaaSurface surface[DCAA_MAX_SURFACES
     bool better = cosine > COS_NORMAL_ANGLE && share >= 0.0 && score > best;                                   \
     best = better ? score : best;                                                                              \
     target = better ? i : target;                                                                              \
-    merges = merges || better;                                                                                 \
   }
     EACH_SURFACE(CONSIDER)
 #undef CONSIDER
-    for (bool go = merges; go; go = false) {
-      DcaaSurface old = surface[0];
-      for (uint i = 1u; i < SURFACES; ++i) old = dcaa_select(target == i, surface[i], old);
-      fragment = dcaa_merged(old, fragment);
-      own = dcaa_plane(fragment, ray, view);
-      word = count_more(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS, 1u);
-    }
   }
-  for (bool go = !merges && count == SURFACES; go; go = false)
-    dcaa_make_room(word, surface, plane, fragment, own, ray, view);
+  bool merges = target < kNone, full = !merges && count == SURFACES;
+  uint leaving = merges ? kNone : count, partner = kNone;
+  uvec2 shows = uvec2(0u);
+  for (bool go = full; go; go = false)
+    dcaa_find_room(surface, plane, fragment, own, ray, view, leaving, partner, shows);
+  bool joins = partner < kNone;
 
-  for (uint i = 0u; i < SURFACES; ++i) {
-    surface[i] = dcaa_select(target == i, fragment, surface[i]);
-    plane[i] = dcaa_select(target == i, own, plane[i]);
+  uint into = merges ? target : partner;
+  DcaaSurface merged = fragment;
+  DcaaPlane joint = own;
+  for (bool go = merges || joins; go; go = false) {
+    DcaaSurface part = fragment;
+    DcaaPlane part_plane = own;
+    for (uint i = 0u; i < SURFACES; ++i) {
+      bool leaves = joins && leaving == i;
+      merged = dcaa_select(into == i, surface[i], merged);
+      joint = dcaa_select(into == i, plane[i], joint);
+      part = dcaa_select(leaves, surface[i], part);
+      part_plane.normal = leaves ? plane[i].normal : part_plane.normal;
+    }
+    bool stays = kNearest && joins;
+    uvec3 facet = merged.facet;
+    float depth = merged.depth;
+    part.coverage = stays ? shows : part.coverage;
+    merged = dcaa_merged(merged, joint.normal, part, part_plane.normal);
+    merged.facet = stays ? facet : merged.facet;
+    merged.depth = stays ? depth : merged.depth;
+    for (bool moves = !stays; moves; moves = false) joint = dcaa_plane(merged, ray, view);
   }
-  bool added = !merges && count < SURFACES;
-  word += added ? 1u : 0u;
+  bool takes_merged = into == SURFACES, vanishes = kNearest && shows == uvec2(0u);
+  DcaaSurface entering = dcaa_select(takes_merged, merged, fragment);
+  DcaaPlane entering_plane = dcaa_select(takes_merged, joint, own);
+  for (uint i = 0u; i < SURFACES; ++i) {
+    surface[i] = dcaa_select(leaving == i, entering, dcaa_select(into == i, merged, surface[i]));
+    plane[i] = dcaa_select(leaving == i, entering_plane, dcaa_select(into == i, joint, plane[i]));
+  }
+  word = count_more(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS, merges ? 1u : 0u);
+  word = count_more(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS, joins ? 1u : 0u);
+  word = count_more(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS, full && !joins && !vanishes ? 1u : 0u);
+  word += !merges && !full ? 1u : 0u;
 }
 
 // Adds a fragment, which covers at least one sample, to the pixel. `plane`: of each surface, dcaa_plane().

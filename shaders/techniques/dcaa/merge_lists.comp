@@ -16,6 +16,20 @@ layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 layout(set = 0, binding = STORAGE(DCAA_SLOT_VIEW), scalar) readonly buffer ViewBlock { DcaaView view; };
 layout(push_constant, scalar) uniform Push { OrderedMergePush push; };
 
+DcaaSurface listed_surface(uint number) {
+  uvec4 words = push.surfaces.surface[number].words, more = push.surfaces.surface[number].more;
+  DcaaSurface fragment;
+  fragment.coverage = push.lists.fragments.fragment[number].zw;
+  fragment.facet = uvec3(words.x, more.zw);
+  fragment.depth = uintBitsToFloat(words.y);
+  fragment.albedo = words.z;
+  fragment.normal = words.w;
+  fragment.roughness = more.x;
+  fragment.emission = more.y;
+  fragment.moments = dcaa_moments_of(fragment.normal);
+  return fragment;
+}
+
 void main() {
   ivec2 pixel = invocation_pixel(gl_WorkGroupID.xy, gl_LocalInvocationID.x);
   if (any(greaterThanEqual(pixel, ivec2(push.width, push.height)))) return;
@@ -25,24 +39,20 @@ void main() {
   for (uint i = 0u; i < MAX_STATE_WORDS; ++i) state.word[i] = 0u;
   DcaaSurface surface[DCAA_MAX_SURFACES];
   for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_unpack(state, i);
-  DcaaView camera = view;
-  vec3 ray = dcaa_ray(pixel, camera);
-  DcaaPlane plane[DCAA_MAX_SURFACES];
-  for (uint i = 0u; i < SURFACES; ++i) plane[i] = DcaaPlane(vec3(0.0), vec2(0.0));
   uint word = 0u;
-  for (uint i = begin; i < end; ++i) {
-    uint number = push.lists.numbers.number[i];
-    uvec4 words = push.surfaces.surface[number].words, more = push.surfaces.surface[number].more;
-    DcaaSurface fragment;
-    fragment.coverage = push.lists.fragments.fragment[number].zw;
-    fragment.facet = uvec3(words.x, more.zw);
-    fragment.depth = uintBitsToFloat(words.y);
-    fragment.albedo = words.z;
-    fragment.normal = words.w;
-    fragment.roughness = more.x;
-    fragment.emission = more.y;
-    fragment.moments = dcaa_moments_of(fragment.normal);
-    dcaa_add(word, surface, plane, fragment, ray, camera);
+  // The first fragment is the first surface, whatever it is.
+  for (bool any = begin < end; any; any = false) {
+    surface[0] = listed_surface(push.lists.numbers.number[begin]);
+    word = 1u;
+  }
+  for (bool go = begin + 1u < end; go; go = false) {
+    DcaaView camera = view;
+    vec3 ray = dcaa_ray(pixel, camera);
+    DcaaPlane plane[DCAA_MAX_SURFACES];
+    plane[0] = dcaa_plane(surface[0], ray, camera);
+    for (uint i = 1u; i < SURFACES; ++i) plane[i] = DcaaPlane(vec3(0.0), vec2(0.0));
+    for (uint i = begin + 1u; i < end; ++i)
+      dcaa_add(word, surface, plane, listed_surface(push.lists.numbers.number[i]), ray, camera);
   }
   state.word[0] = word;
   for (uint i = 0u; i < SURFACES; ++i) dcaa_pack(surface[i], i, state);

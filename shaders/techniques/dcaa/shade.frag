@@ -100,23 +100,25 @@ void fold(inout DcaaSurface surface[DCAA_MAX_SURFACES], inout uvec2 shown[DCAA_M
       part = dcaa_select(which == i, surface[i], part);
       part.coverage = which == i ? shown[i] : part.coverage;
     }
-    vec3 normal = dcaa_facet(part.facet);
+    vec3 normal = dcaa_facet(part.facet), joined_normal = normal;
     float place = dcaa_place(part.depth, ray, view), least = 1e38;
     uint nearest = SURFACES;
     DcaaSurface joined = part;
     for (uint i = 0u; i < SURFACES; ++i) {
       float there = dcaa_place(surface[i].depth, ray, view);
-      float away = dcaa_distance(there, dcaa_facet(surface[i].facet), place, normal);
+      vec3 other = dcaa_facet(surface[i].facet);
+      float away = dcaa_distance(there, other, place, normal);
       bool better = i != which && shown[i] != uvec2(0u) && away < least;
       least = better ? away : least;
       nearest = better ? i : nearest;
       joined = dcaa_select(better, surface[i], joined);
+      joined_normal = better ? other : joined_normal;
       joined.coverage = better ? shown[i] : joined.coverage;
     }
     for (bool joins = nearest < SURFACES; joins; joins = false) {
       uvec3 facet = joined.facet;
       float depth = joined.depth;
-      joined = dcaa_merged(joined, part);
+      joined = dcaa_merged(joined, joined_normal, part, normal);
       joined.facet = facet;
       joined.depth = depth;
       for (uint i = 0u; i < SURFACES; ++i) {
