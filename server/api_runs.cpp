@@ -164,13 +164,14 @@ void Api::route_runs(Routes& routes) {
 }
 
 void Api::send_results(const RunRecord& run, bool as_csv, Response& response) const {
-  json document = {{"head", run.head ? *run.head : replay::to_json(replay::ResultsHead{})}, {"results", json::array()}};
-  for (StoredResult& result : store_.results(run.id)) document["results"].push_back(std::move(result.document));
   response.set_header("Cache-Control", "no-store");
   response.set_header("Content-Disposition",
                       fmt::format("inline; filename=\"run-{}-results.{}\"", run.id, as_csv ? "csv" : "json"));
-  if (!as_csv) return write_json(response, 200, document);
-  response.set_content(replay::to_csv(replay::results_from_json(document)), "text/csv; charset=utf-8");
+  if (as_csv) return response.set_content(replay::to_csv(measured(run)), "text/csv; charset=utf-8");
+  // The documents as they are stored, which reading and writing them would not change.
+  const json head = run.head ? *run.head : replay::to_json(replay::ResultsHead{});
+  response.set_content(fmt::format(R"({{"head":{},"results":{}}})", head.dump(), store_.results_text(run.id)),
+                       "application/json");
 }
 
 replay::Results Api::measured(const RunRecord& run) const {

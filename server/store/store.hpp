@@ -148,6 +148,8 @@ class Store {
   std::vector<StoredResult> results_after(std::int64_t run, std::int64_t after, std::uint32_t limit) const;
   // All results by frame, then in the request's order.
   std::vector<StoredResult> results(std::int64_t run) const;
+  // Their documents alone, as one JSON array.
+  std::string results_text(std::int64_t run) const;
 
   // Replaces the tags of a capture; false when there is no such capture.
   bool set_tags(std::string_view capture, const std::vector<std::string>& tags);

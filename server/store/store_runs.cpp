@@ -320,4 +320,14 @@ std::vector<StoredResult> Store::results(std::int64_t run) const {
   return read_results(select);
 }
 
+std::string Store::results_text(std::int64_t run) const {
+  const ReadLease reader = read();
+  Statement select(reader.connection(),
+                   "SELECT document FROM frame_results WHERE run = ? ORDER BY frame, technique_ordinal");
+  select.bind(run);
+  std::string array = "[";
+  while (select.step()) array.append(array.size() > 1 ? "," : "").append(select.text());
+  return array + "]";
+}
+
 }  // namespace subpixel::server

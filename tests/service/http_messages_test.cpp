@@ -164,8 +164,9 @@ TEST_F(HttpMessages, PartsOfCapturesAndBlobs) {
     expect_part("-4", whole.body.size() - 4, whole.body.size());
     expect_part("-99999", 0, whole.body.size());
     expect_part("1-99999", 1, whole.body.size());
-    expect_part(last + "-" + last, whole.body.size() - 1, whole.body.size());
-    for (const std::string& beyond : {size + "-", size + "-" + size, std::string("-0"), std::string("99999-")}) {
+    expect_part(fmt::format("{0}-{0}", last), whole.body.size() - 1, whole.body.size());
+    for (const std::string& beyond :
+         {fmt::format("{}-", size), fmt::format("{0}-{0}", size), std::string("-0"), std::string("99999-")}) {
       const Answer refused = get(path, "Range: bytes=" + beyond + "\r\n");
       EXPECT_TRUE(refused.is(416)) << beyond << refused.status_line;
       EXPECT_EQ(refused.header("Content-Range"), "bytes */" + size) << beyond;

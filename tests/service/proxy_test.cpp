@@ -48,6 +48,7 @@ class Proxy {
  public:
   Proxy(std::vector<std::string> arguments, const fs::path& folder) {
     std::vector<char*> words;
+    words.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) words.push_back(argument.data());
     words.push_back(nullptr);
     process_ = ::fork();
@@ -144,7 +145,7 @@ TEST_F(ServiceTest, PageBehindAProxyCanChangeThings) {
     const std::string path = "/api/runs/" + std::to_string(run);
     const std::string events = send(to, "GET " + path + "/events HTTP/1.1\r\n");
     EXPECT_NE(events.find("event: end"), std::string::npos) << events;
-    EXPECT_TRUE(send(to, "DELETE " + path + " HTTP/1.1\r\n" + own).starts_with("HTTP/1.1 204"));
+    EXPECT_TRUE(send(to, fmt::format("DELETE {} HTTP/1.1\r\n{}", path, own)).starts_with("HTTP/1.1 204"));
   }
   // With the Host handed on, a foreign name that was pointed at the proxy is seen.
   const std::string rebound = "GET /api/health HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n";

@@ -114,6 +114,7 @@ ServiceProcess::ServiceProcess(const fs::path& data, const std::vector<std::stri
                                  SUBPIXEL_FAKE_WORKER};
   words.insert(words.end(), options.begin(), options.end());
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_ = ::fork();
