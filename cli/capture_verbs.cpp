@@ -8,8 +8,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "base/base64.hpp"
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "base/json_text.hpp"
@@ -23,6 +25,8 @@
 #include "cli/option_values.hpp"
 #include "cli/written_summary.hpp"
 #include "process/confinement.hpp"
+#include "replay/frame_view.hpp"
+#include "replay/results/parameters.hpp"
 #include "scenes/generate/generate.hpp"
 
 namespace subpixel::cli {
@@ -92,14 +96,37 @@ struct FileArguments {
 
 struct InfoArguments {
   FileArguments file;
-  bool draws = false;
+  bool draws = false, seen = false;
   std::optional<std::uint32_t> frame;
+  std::string size, device;
 };
 
+// Adds to the table of draws how the frame looks and which draw each pixel shows.
+void add_view(nlohmann::json& table, const InfoArguments& options) {
+  replay::FrameViewJob job{options.file.file, options.frame.value_or(0)};
+  if (!options.size.empty()) std::tie(job.width, job.height) = replay::parse_size(options.size, "--size");
+  const replay::FrameView view = replay::view_frame(job, options.device);
+  std::vector<std::uint64_t> pixels(table["draws"].size(), 0);
+  for (const std::uint32_t draw : view.draws)
+    if (draw != replay::kNoDraw) ++pixels.at(draw);
+  for (std::size_t d = 0; d < pixels.size(); ++d) table["draws"][d]["pixels"] = pixels[d];
+  nlohmann::json runs = nlohmann::json::array();
+  const std::vector<std::uint32_t> pairs = replay::runs_of(view.draws);
+  for (std::size_t i = 0; i < pairs.size(); i += 2) {
+    runs.push_back(pairs[i] == replay::kNoDraw ? nlohmann::json(-1) : nlohmann::json(pairs[i]));
+    runs.push_back(pairs[i + 1]);
+  }
+  table["size"] = {view.picture.width, view.picture.height};
+  table["device"] = view.device;
+  table["picture"] = base64_text(replay::encode_png(view.picture));
+  table["seen"] = std::move(runs);
+}
+
 void print_draws(const nlohmann::json& table) {
-  fmt::print("frame {} {}\n{:>6} {:>10} {:>9} {:>10} {:>5} {:>12}  draw; material; textures\n",
+  const bool seen = table.contains("seen");
+  fmt::print("frame {} {}\n{:>6} {:>10} {:>9} {:>10} {:>5} {:>12} {}draw; material; textures\n",
              table["frame"].get<std::uint32_t>(), printable(table["name"].get<std::string>(), 80), "number",
-             "triangles", "instances", "vertices", "index", "bytes");
+             "triangles", "instances", "vertices", "index", "bytes", seen ? "   pixels  " : " ");
   for (const nlohmann::json& draw : table["draws"]) {
     std::string textures;
     for (const nlohmann::json& texture : draw["textures"]) {
@@ -107,12 +134,13 @@ void print_draws(const nlohmann::json& table) {
       textures += (textures.empty() ? "" : ", ") + slot.substr(0, slot.rfind("_texture")) + " " +
                   texture["texture"].dump() + " " + printable(texture["name"].get<std::string>(), 40);
     }
-    fmt::print("{:>6} {:>10} {:>9} {:>10} {:>5} {:>12}  {}; {} {}; {}\n", draw["draw"].get<std::uint64_t>(),
+    fmt::print("{:>6} {:>10} {:>9} {:>10} {:>5} {:>12} {} {}; {} {}; {}\n", draw["draw"].get<std::uint64_t>(),
                draw["triangles"].get<std::uint64_t>(), draw["instances"].get<std::uint64_t>(),
                draw["vertices"].get<std::uint64_t>(), draw["index_type"].get<std::string>(),
-               draw["bytes"].get<std::uint64_t>(), printable(draw["name"].get<std::string>(), 60),
-               draw["material"]["number"].dump(), printable(draw["material"]["name"].get<std::string>(), 40),
-               textures.empty() ? "none" : textures);
+               draw["bytes"].get<std::uint64_t>(),
+               seen ? fmt::format("{:>9} ", draw["pixels"].get<std::uint64_t>()) : "",
+               printable(draw["name"].get<std::string>(), 60), draw["material"]["number"].dump(),
+               printable(draw["material"]["name"].get<std::string>(), 40), textures.empty() ? "none" : textures);
   }
 }
 
@@ -120,6 +148,7 @@ int info(const InfoArguments& options) {
   const FileArguments& arguments = options.file;
   forbid_programs();
   if (options.frame && !options.draws) throw UsageError("frames", "--frame is of --draws", "--frame");
+  if (options.seen && !options.draws) throw UsageError("draws", "--seen is of --draws", "--seen");
   const std::filesystem::path path = arguments.file;
   const capture::CaptureFile::Outline outline = capture::CaptureFile(path).outline();
   nlohmann::json table;
@@ -131,6 +160,7 @@ int info(const InfoArguments& options) {
       throw UsageError("frames", fmt::format("{} is not within 0-{}", frame, frames - 1), "--frame");
     }
     table = capture::draw_table(outline.capture, frame);
+    if (options.seen) add_view(table, options);
     if (!arguments.json) {
       print_draws(table);
       return 0;
@@ -227,6 +257,10 @@ void add_info(CLI::App& app, std::function<int()>& action) {
   verb->add_flag("--json", arguments->file.json, "Print one JSON document");
   verb->add_flag("--draws", arguments->draws, "List a frame's draws in their order");
   verb->add_option("--frame", arguments->frame, "The frame of --draws; default: 0");
+  verb->add_flag("--seen", arguments->seen,
+                 "Of --draws: the frame's picture and the pixels that show each, by a device");
+  verb->add_option("--size", arguments->size, "Of --seen: WIDTHxHEIGHT; as recorded when absent");
+  verb->add_option("--device", arguments->device, "Of --seen: as of replay");
   verb->callback([arguments, &action] { action = [arguments] { return info(*arguments); }; });
 }
 

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "capture_format/reading/capture_file.hpp"
 #include "replay/frame/pixel_story.hpp"
 #include "replay/frame/run_frame.hpp"
 #include "replay/gpu/litmus.hpp"
 #include "replay/reference/reference.hpp"
 #include "replay/results/limits.hpp"
+#include "replay/single_frame.hpp"
 #include "replay/techniques/complete_technique.hpp"
 
 namespace subpixel::replay {
@@ -36,25 +36,15 @@ std::vector<TechniqueSetting> settings_of(const StoryJob& job) {
 }
 
 capture::Capture read_frame(const StoryJob& job, const std::vector<TechniqueSetting>& settings) {
-  const capture::CaptureFile file(job.capture);
-  if (file.frame_count() == 0) throw InputError("capture", "it has no frames", job.capture.string());
-  if (job.frame >= file.frame_count())
-    throw UsageError("frame", fmt::format("{} is not within 0-{}", job.frame, file.frame_count() - 1), "--frame");
   std::uint32_t history = 0;
   for (const TechniqueSetting& setting : settings)
     if (const auto* temporal = dynamic_cast<const TemporalParameters*>(setting.parameters.get()))
       history = std::max(history, temporal->history);
-  return file.load(job.frame - std::min(history, job.frame), job.frame);
+  return load_frame(job.capture, job.frame, history);
 }
 
-FrameChoice choice_of(const StoryJob& job, const capture::Frame& frame, std::uint32_t limit) {
-  const FrameChoice choice{job.frame, job.width == 0 ? frame.width : job.width,
-                           job.height == 0 ? frame.height : job.height};
-  if (choice.width == 0 || choice.height == 0 || choice.width > limit || choice.height > limit)
-    throw DeviceError(
-        "size",
-        fmt::format("{}x{} is not within 1x1 and the device's {}x{}", choice.width, choice.height, limit, limit),
-        "--size");
+FrameChoice choice_of(const StoryJob& job, const capture::Capture& capture, std::uint32_t limit) {
+  const FrameChoice choice = choose_size(capture, job.frame, job.width, job.height, limit);
   if (job.x >= choice.width || job.y >= choice.height)
     throw UsageError(
         "pixel", fmt::format("{},{} is not within 0,0 and {},{}", job.x, job.y, choice.width - 1, choice.height - 1),
@@ -105,13 +95,11 @@ json reference_story(gpu::Device& device, GpuScene& scene, const StoryJob& job, 
 
 json tell_pixel(const StoryJob& job, const std::string& device_name) {
   const std::vector<TechniqueSetting> settings = settings_of(job);
-  if (job.width != 0) kWidthLimit.require(job.width);
-  if (job.height != 0) kHeightLimit.require(job.height);
   capture::Capture capture = read_frame(job, settings);
   gpu::DeviceOptions options;
   options.device = device_name;
   gpu::Device device(options);
-  const FrameChoice choice = choice_of(job, capture.frames[job.frame], device.info().max_image_dimension);
+  const FrameChoice choice = choice_of(job, capture, device.info().max_image_dimension);
   gpu::require_ordered_access(device);
   json story{{"capture", capture.metadata.title},
              {"frame", job.frame},

@@ -65,6 +65,7 @@ class Api {
   void send_capture_file(const Request& request, const std::string& hash, Response& response) const;
   void send_blob(const Request& request, const std::string& hash, Response& response) const;
   void send_story(const Request& request, const std::string& hash, Response& response);
+  void send_frame_view(const Request& request, const std::string& hash, Response& response);
   void post_tags(const std::string& hash, const Request& request, Response& response);
   // api_runs.cpp
   void route_runs(Routes& routes);
@@ -104,7 +105,7 @@ class Api {
   std::mutex captures_mutex_;              // a capture's file and its record come and go together
   std::mutex imports_mutex_;               // one at a time: each may take gigabytes
   std::atomic<std::size_t> imports_{0};    // and those that wait
-  std::mutex story_mutex_;                 // held while a pixel's story is told
+  std::mutex story_mutex_;                 // held while a pixel's story is told or a frame is shown
 };
 
 // A whole number from the query, `absent` without it. Throws HttpError 400 outside of [minimum, maximum].

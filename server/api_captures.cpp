@@ -24,6 +24,7 @@ namespace {
 constexpr std::size_t kMaxNameBytes = 120;
 constexpr std::int64_t kMaxListedCaptures = 500;
 constexpr std::size_t kMaxImports = 6;  // uploads have 16 threads: those that are captures must get through
+constexpr std::int64_t kMostViewSide = 2048;
 constexpr std::size_t kMaxTags = 20, kMaxTagBytes = 40;
 
 nlohmann::json capture_json(const CaptureRecord& capture) {
@@ -133,6 +134,17 @@ void Api::route_captures(Routes& routes) {
                         {"samples", number, "of techniques that do not say how many"},
                         {"reference_samples", number, "0: no reference"}}},
              [this](const Request& request, Response& response) { send_story(request, request.matches[1], response); });
+  const std::string side = R"({"type":"integer","minimum":1,"maximum":2048,"default":)";
+  routes.add(
+      {.method = "GET",
+       .path = "/api/captures/{hash}/frame",
+       .id = "show_frame",
+       .meaning = "A frame's draws in their order, its picture, and which draw each pixel shows",
+       .answers = {{200, "FrameView"}, {400, ""}, {404, ""}},
+       .query = {{"frame", number, "its number"},
+                 {"width", side + "640}", "of the picture, pixels"},
+                 {"height", side + "360}", "the same"}}},
+      [this](const Request& request, Response& response) { send_frame_view(request, request.matches[1], response); });
   routes.add({.method = "POST",
               .path = "/api/captures/{hash}/tags",
               .id = "set_tags",
@@ -306,8 +318,31 @@ void Api::send_story(const Request& request, const std::string& hash, Response& 
   if (!lock)
     throw HttpError(503, "the pixel's story is not told", "another one is being told; ask again in a moment", "");
   response.set_header("Cache-Control", "no-store");
-  response.set_content(tell_story(folder_.capture(hash), options, options_.worker, stop_.get_token()),
-                       "application/json");
+  response.set_content(
+      ask_program(folder_.capture(hash), {"pixel", std::move(options), "the pixel's story is not told"},
+                  options_.worker, stop_.get_token()),
+      "application/json");
+}
+
+void Api::send_frame_view(const Request& request, const std::string& hash, Response& response) {
+  if (!store_.capture(hash)) throw no_capture(hash);
+  const auto frame = query_number(request, "frame", 0, UINT32_MAX, 0);
+  const auto width = query_number(request, "width", 1, kMostViewSide, 640);
+  const auto height = query_number(request, "height", 1, kMostViewSide, 360);
+  std::vector<std::string> options{"--draws", "--seen", fmt::format("--frame={}", frame),
+                                   fmt::format("--size={}x{}", width, height)};
+  const std::string what = "the frame is not shown";
+  // As a story: one at a time.
+  const std::unique_lock lock(story_mutex_, std::try_to_lock);
+  if (!lock) throw HttpError(503, what, "another one or a story is being made; ask again in a moment", "");
+  const std::string text =
+      ask_program(folder_.capture(hash), {"info", std::move(options), what}, options_.worker, stop_.get_token());
+  const nlohmann::json document = nlohmann::json::parse(text);
+  const auto view = document.find("draws_of_frame");
+  if (view == document.end()) throw HttpError(500, what, "the worker's document has no draws", "");
+  // The hash names the content; another version of the program may light it otherwise.
+  response.set_header("Cache-Control", "private, max-age=600");
+  write_json(response, 200, *view);
 }
 
 void Api::send_blob(const Request& request, const std::string& hash, Response& response) const {

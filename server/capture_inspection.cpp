@@ -73,11 +73,11 @@ CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOpt
   }
 }
 
-std::string tell_story(const std::filesystem::path& file, const std::vector<std::string>& options,
-                       const WorkerOptions& worker, std::stop_token stop) {
-  const std::string what = "the pixel's story is not told";
-  std::vector<std::string> arguments{worker.program.string(), "pixel", file.string(), "--json"};
-  arguments.insert(arguments.end(), options.begin(), options.end());
+std::string ask_program(const std::filesystem::path& file, const Question& question, const WorkerOptions& worker,
+                        std::stop_token stop) {
+  const std::string& what = question.what;
+  std::vector<std::string> arguments{worker.program.string(), question.verb, file.string(), "--json"};
+  arguments.insert(arguments.end(), question.options.begin(), question.options.end());
   ChildLimits limits = worker.limits;
   limits.silence = limits.duration = std::min<std::chrono::milliseconds>(limits.silence, std::chrono::minutes(5));
   limits.processor_s = 4 * static_cast<std::uint64_t>(limits.duration / std::chrono::seconds(1));

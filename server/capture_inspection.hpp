@@ -20,9 +20,15 @@ CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOpt
 // The same of what that process printed. Throws InputError.
 CaptureRecord parse_capture_summary(std::string_view text);
 
-// What `program pixel FILE` with `options` prints, one JSON document. Throws HttpError: 400 with the program's message
-// for options it refuses, 422 for a capture it can't read or a device that can't do it.
-std::string tell_story(const std::filesystem::path& file, const std::vector<std::string>& options,
-                       const WorkerOptions& worker, std::stop_token stop);
+// What `program VERB FILE --json` with `options` prints, one JSON document; `what` begins messages: "the pixel's story
+// is not told". Throws HttpError: 400 with the program's message for options it refuses, 422 for a capture it can't
+// read or a device that can't do it.
+struct Question {
+  std::string verb;
+  std::vector<std::string> options;
+  std::string what;
+};
+std::string ask_program(const std::filesystem::path& file, const Question& question, const WorkerOptions& worker,
+                        std::stop_token stop);
 
 }  // namespace subpixel::server

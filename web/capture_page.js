@@ -2,14 +2,63 @@
 import {get, limits, post, remove, techniques} from './api.js';
 import {featureTags, thumbnail} from './captures_page.js';
 import {announce, field, h} from './dom.js';
+import {FilmStrip} from './film_strip.js';
 import {bytes, count, when} from './format.js';
+import {FrameView} from './frame_view.js';
 import {runForm} from './run_form.js';
 import {runsTable} from './runs_page.js';
 
 // What whoever recorded, imported, cut or read the capture left out or approximated.
 function noticeList(notices) {
   if (notices.length === 0) return [];
-  return [h('h2', {}, 'Notices'), h('ul.notices', {}, notices.map((notice) => h('li', {}, notice)))];
+  return [h('h2', {}, 'Notices'), h('p.quiet', {}, 'What recording, importing, trimming or reading left out or changed, and why.'),
+    h('ul.notices', {}, notices.map((notice) => h('li', {}, notice)))];
+}
+
+// What each of a summary's features means for techniques and reference.
+const needs = {
+  'textures': 'materials read images: texture coordinates are interpolated, and images filtered, for each shading',
+  'alpha test': 'textures cut holes into triangles: coverage is known only after they are read',
+  'normal maps': 'normals come from images: neighbouring shadings of one surface may differ',
+  'emissive': 'materials shine by themselves, brighter than white: what the resolve makes of it shows at edges',
+  'metal': 'materials reflect like metal: highlights alias, the more the smoother they are',
+  'two-sided': 'back faces are seen: they are kept, with their normal turned round',
+  'blending': 'materials are translucent: samples are covered by chance, as many as their opacity says',
+  'instancing': 'draws repeat a mesh under several matrices',
+  'shadows': 'the sun casts shadows: a shadow map is drawn before the frame',
+  'spot lights': 'lights shine in cones',
+  'vertex colours': 'vertices carry colours, which are interpolated for each shading',
+  'second UV set': 'textures are read by a second set of coordinates',
+  'texture transforms': 'texture coordinates are moved, turned or scaled before images are read',
+  'samplers': 'images are read with wrapping or filters of their own',
+  'unlit': 'materials are shown as they are, without light',
+};
+
+function needList(features) {
+  if (features.length === 0) return [];
+  return [h('h2', {}, 'What the scene needs'), h('dl.needs', {}, features.map((feature) => h('div', {}, h('dt', {}, feature), h('dd', {}, needs[feature] ?? ''))))];
+}
+
+// Frames and draws are asked for when they are opened: the service replays the frame for them.
+function framesPanel(capture) {
+  const {hash, frame_count: frames, width, height} = capture;
+  const side = 640;
+  const scale = side / Math.max(width, height, 1);
+  const size = [width, height].map((length) => Math.max(1, Math.round(length * scale) || 1));
+  const view = new FrameView(hash, size);
+  const strip = new FilmStrip(hash, frames, (frame) => show(frame));
+  const number = h('input', {type: 'number', min: 0, max: frames - 1, value: 0, onchange: () => number.reportValidity() && show(number.valueAsNumber)});
+  const show = (frame) => {
+    number.value = frame;
+    strip.select(frame);
+    return view.show(frame);
+  };
+  const panel = h('details.frames-panel', {ontoggle: async () => {
+    if (!panel.open || view.element.hasChildNodes()) return;
+    await show(0);
+    if (frames > 1) strip.fill();
+  }}, h('summary', {}, 'Frames and draws'), frames > 1 && [strip.element, field('Frame', number)], view.element);
+  return {element: panel, close: () => strip.close()};
 }
 
 export async function capturePage(hash) {
@@ -44,6 +93,7 @@ export async function capturePage(hash) {
     ['recorded at', `${capture.width}×${capture.height}`], ['size', bytes(capture.size_bytes)],
     ['uploaded', when(capture.uploaded_utc)], ['content hash', capture.hash],
   ];
+  const frames = capture.frame_count > 0 ? framesPanel(capture) : null;
   const element = h('section', {},
     h('p.crumbs', {}, h('a', {href: '#/'}, 'Captures')),
     h('h1', {}, title),
@@ -52,10 +102,10 @@ export async function capturePage(hash) {
         featureTags(capture.features), tagForm,
         h('p.actions', {}, h('a.button', {href: `/api/captures/${hash}/file`, download: capture.name}, 'Download'), deletion),
         problem)),
-    noticeList(capture.summary.notices ?? []),
+    frames?.element, needList(capture.features), noticeList(capture.summary.notices ?? []),
     h('h2', {}, 'New run'),
     capture.frame_count > 0 ? runForm(capture, registry, limitTable) : h('p', {}, 'This capture has no frames.'),
     h('h2', {}, 'Runs'),
     runs.length > 0 ? runsTable(runs, registry) : h('p.quiet', {}, 'None yet.'));
-  return {title, element};
+  return {title, element, close: () => frames?.close()};
 }

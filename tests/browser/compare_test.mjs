@@ -237,6 +237,30 @@ const tests = [
     assert.equal(await page.locator('.minimap').isVisible(), false);
   }],
 
+  ['two fingers zoom and move the picture', async () => {
+    const session = await browser.context.newCDPSession(page);
+    const touch = (type, ...points) => session.send('Input.dispatchTouchEvent', {type, touchPoints: points.map(([x, y], id) => ({x, y, id}))});
+    await inSight();
+    const before = (await page.locator('.view-canvas').boundingBox()).width / width;
+    const {x, y} = await place(60, 40);
+    await touch('touchStart', [x - 40, y]);
+    await touch('touchStart', [x - 40, y], [x + 40, y]);
+    for (let apart = 50; apart <= 160; apart += 10) await touch('touchMove', [x - apart, y], [x + apart, y]);
+    await page.waitForTimeout(300);
+    const zoom = Number(parameters().get('zoom'));
+    const fit = Math.min(before, (await page.locator('.view-canvas').boundingBox()).height / height);
+    assert.ok(Math.abs(zoom / fit - 4) < 0.1, `${zoom} of ${fit}`);
+    const under = await place(60, 40);
+    near([under.x, under.y], [x, y], 1, 'what is between the fingers stays there');
+    const centre = Number(parameters().get('x'));
+    for (let by = 8; by <= 64; by += 8) await touch('touchMove', [x - 160 + by, y], [x + 160 + by, y]);
+    await touch('touchEnd');
+    await page.waitForTimeout(300);
+    assert.ok(Math.abs(centre - Number(parameters().get('x')) - 64 / zoom) < 0.1, 'it follows them');
+    await session.detach();
+    await press('0');
+  }],
+
   ['a click tells which pixel was chosen', async () => {
     await page.evaluate(() => document.addEventListener('pixelchosen', ({detail}) => (window.chosen = detail)));
     await page.waitForTimeout(250);

@@ -113,6 +113,55 @@ const tests = [
     await counted(page.locator('.notices b'), 0);
   }],
 
+  ['what the scene needs is told with what it means', async () => {
+    const needs = page.locator('.needs div');
+    await counted(needs, service.fakeWorker ? 2 : 1);
+    for (const text of await needs.allInnerTexts()) assert.match(text, /^[a-z -]+\n.{20,}/i);
+  }],
+
+  ['draws of a frame are a tree; one is highlighted in the picture, and picked by a click in it', async () => {
+    const panel = page.locator('.frames-panel');
+    await panel.locator('summary').first().click();
+    const canvas = page.locator('.frame-canvas');
+    await page.locator('.film-picture img').nth(2).waitFor({timeout});  // the service draws one at a time
+    const branches = page.locator('.draw-tree > details');
+    const {draws, seen, size: [width, height]} = await (await fetch(`${service.url}/api/captures/${/[0-9a-f]{32}/.exec(page.url())[0]}/frame?frame=0&width=640&height=360`)).json();
+    await counted(branches, new Set(draws.map(({material}) => material.number)).size);
+    // Where the draw that most pixels show is seen, in the middle of the middle one of its long runs.
+    const most = draws.reduce((best, draw) => (draw.pixels > best.pixels ? draw : best));
+    const runs = [];
+    for (let i = 0, at = 0; i < seen.length; at += seen[i + 1], i += 2) if (seen[i] === most.draw && seen[i + 1] >= 8) runs.push(at + (seen[i + 1] >> 1));
+    const run = runs[runs.length >> 1];
+    const point = {x: run % width, y: Math.floor(run / width)};
+    const colour = ({x, y}) => canvas.evaluate((element, [px, py]) => [...element.getContext('2d').getImageData(px, py, 1, 1).data].slice(0, 3), [x, y]);
+    const [shownDraw, sky] = [await colour(point), await colour({x: 0, y: 0})];
+    await canvas.scrollIntoViewIfNeeded();
+    const box = await canvas.boundingBox();
+    await page.mouse.click(box.x + (point.x + 0.5) * box.width / width, box.y + (point.y + 0.5) * box.height / height);
+    await page.locator('.draw[aria-pressed="true"]', {hasText: `${most.draw} ${most.name}`}).waitFor();
+    assert.deepEqual(await colour(point), shownDraw, 'the chosen draw keeps its colours');
+    const dimmed = await colour({x: 0, y: 0});
+    assert.ok(dimmed.every((value, c) => value < sky[c] / 2), `${sky} is dimmed to ${dimmed}`);
+    const details = await page.locator('.draw-details').innerText();
+    for (const text of [most.name, most.material.name, `${most.triangles}`, most.textures[0]?.name ?? 'none']) assert.ok(details.includes(text), `${text} in ${details}`);
+    await counted(page.locator('.frame-view i, .frame-view b'), 0, 'names are text');
+    await shot('draws');
+    assert.deepEqual(await browser.violations(), []);
+    await page.mouse.click(box.x + 2, box.y + 2);
+    await counted(page.locator('.draw[aria-pressed="true"]'), 0, 'a click on the sky chooses none');
+    assert.deepEqual(await colour({x: 0, y: 0}), sky);
+  }],
+
+  ['frames are a film strip, and one that is clicked is shown', async () => {
+    await page.locator('.film-picture img').nth(2).waitFor({timeout});
+    await counted(page.locator('.film-frame'), 3);
+    await page.getByRole('button', {name: 'Frame 2', exact: true}).click();
+    await page.locator('.frame-canvas[aria-label="Frame 2"]').waitFor({timeout});
+    assert.equal(await page.locator('.film-frame[aria-pressed="true"]').innerText(), '2');
+    await shot('film-strip');
+    await page.locator('.frames-panel summary').first().click();
+  }],
+
   ['a wrong number is named by the form before it is sent', async () => {
     await page.getByLabel('Last frame').fill('99');
     await page.getByRole('button', {name: 'Start run'}).click();

@@ -156,6 +156,30 @@ TEST_F(Captures, PixelsStoryIsToldByAProcessOfItsOwn) {
   EXPECT_EQ(client().get("/api/health").at("status"), "ok");
 }
 
+TEST_F(Captures, FrameIsShownByAProcessOfItsOwn) {
+  const std::string hash = client().upload_fake({{"frames", 2}});
+  const std::string path = "/api/captures/" + hash + "/frame";
+  const json view = client().get(path + "?frame=1&width=40&height=20");
+  EXPECT_EQ(view.at("frame"), 1);
+  EXPECT_EQ(view.at("size"), (json{40, 20}));
+  EXPECT_EQ(view.at("draws").size(), 2u);
+  std::uint64_t pixels = 0;
+  for (std::size_t i = 1; i < view.at("seen").size(); i += 2) pixels += view["seen"][i].get<std::uint64_t>();
+  EXPECT_EQ(pixels, 40u * 20u);
+  EXPECT_FALSE(view.contains("title")) << "the summary is the capture's";
+  EXPECT_EQ(client().get(path).at("size"), (json{640, 360}));
+  EXPECT_NE(error_of(client().http().Get(path + "?frame=4001"), 400).at("why").get<std::string>().find("not within"),
+            std::string::npos);
+  for (const char* refused : {"?width=0", "?height=2049", "?frame=-1"}) {
+    error_of(client().http().Get(path + refused), 400);
+  }
+  error_of(client().http().Get("/api/captures/" + std::string(32, 'a') + "/frame"), 404);
+  const std::string fatal = client().upload_fake({{"frames", 1}, {"how", "view_kill"}});
+  const json ended = error_of(client().http().Get("/api/captures/" + fatal + "/frame"), 422);
+  EXPECT_NE(ended.at("why").get<std::string>().find("signal 9"), std::string::npos) << ended;
+  EXPECT_EQ(client().get("/api/health").at("status"), "ok");
+}
+
 TEST_F(Captures, OneStoryAtATime) {
   const std::string hash = client().upload_fake({{"frames", 1}, {"story_ms", 1500}});
   const std::string path = "/api/captures/" + hash + "/pixel?technique=msaa&x=1&y=2";

@@ -211,6 +211,9 @@ TEST_F(Description, HoldsForEveryOperationStatusAndMember) {
                                 none + "/pixel?technique=msaa&x=1&y=2"}) {
     ask("get", "/api/captures/" + at);
   }
+  for (const std::string& at : {hash + "/frame?width=8&height=4", hash + "/frame?frame=4001", none + "/frame"}) {
+    ask("get", "/api/captures/" + at);
+  }
 
   const json wanted = {{"capture", hash},  {"techniques", {{{"technique", "noaa"}}, "msaa:samples=4|8"}},
                        {"width", 32},      {"height", 18},

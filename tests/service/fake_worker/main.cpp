@@ -26,6 +26,7 @@
 #include <string>
 #include <thread>
 
+#include "base/base64.hpp"
 #include "replay/measure/flip.hpp"
 #include "replay/measure/image.hpp"
 #include "replay/measure/metrics.hpp"
@@ -272,7 +273,7 @@ int work(const std::string& job_path) {
   const replay::ReplayJob job = replay::replay_job_from_json(json::parse(file));
   const json fake = read_fake_capture(job.capture.string());
   const bool thumbnail = job.options.reference_samples == 0 && job.options.width == 320;
-  const auto [first, last] = job.options.frames.value();
+  const auto [first, last] = job.options.frames.value_or(std::pair{0u, fake.value("frames", 2u) - 1});
   const int fail_at = thumbnail ? -1 : fake.value("fail_at", -1);
   const std::string how = fake.value("how", "");
   const std::uint32_t width = job.options.width != 0 ? job.options.width : fake.value("width", 64u);
@@ -313,6 +314,54 @@ int work(const std::string& job_path) {
   say({{"type", "head"},
        {"head", replay::to_json(make_head(job, fake.value("title", "A fake capture"), width, height))}});
   say({{"type", "done"}});
+  return 0;
+}
+
+// What `info --draws --seen` adds: a sky over two draws, left and right. Frames above 4000 are refused.
+int view(const std::vector<std::string>& arguments) {
+  const json fake = read_fake_capture(arguments[1]);
+  if (fake.value("how", "") == "view_kill") ::raise(SIGKILL);
+  std::uint32_t frame = 0, width = 0, height = 0;
+  for (const std::string& argument : arguments) {
+    if (argument.starts_with("--frame=")) frame = static_cast<std::uint32_t>(std::stoul(argument.substr(8)));
+    if (!argument.starts_with("--size=")) continue;
+    width = static_cast<std::uint32_t>(std::stoul(argument.substr(7)));
+    height = static_cast<std::uint32_t>(std::stoul(argument.substr(argument.find('x') + 1)));
+  }
+  if (frame > 4000) {
+    std::cerr << "subpixel: frames: 4001 is not within 0-1: --frame\n";
+    return 2;
+  }
+  json seen{-1, width * (height / 2)};
+  for (std::uint32_t y = height / 2; y < height; ++y)
+    for (const std::uint32_t run : {0u, width / 2, 1u, width - width / 2}) seen.push_back(run);
+  const auto draw = [&](int number, const char* name, json textures) {
+    return json{{"draw", number},
+                {"name", name},
+                {"material", {{"number", 1}, {"name", "<b>bark</b>"}}},
+                {"triangles", 12},
+                {"instances", 1},
+                {"vertices", 24},
+                {"index_type", "u16"},
+                {"textures", std::move(textures)},
+                {"bytes", 480},
+                {"pixels", width / 2 * (height - height / 2)}};
+  };
+  const std::vector<std::uint8_t> picture =
+      replay::encode_png(display_image(render(width, height, frame, 4), width, height));
+  std::cout << json{{"title", "A fake capture"},
+                    {"draws_of_frame",
+                     {{"frame", frame},
+                      {"name", "frame " + std::to_string(frame)},
+                      {"size", {width, height}},
+                      {"device", "no device at all"},
+                      {"picture", base64_text(picture)},
+                      {"seen", seen},
+                      {"draws",
+                       {draw(0, "<i>trunk</i>", {{{"slot", "base_colour_texture"}, {"texture", 4}, {"name", "bark"}}}),
+                        draw(1, "leaves", json::array())}}}}}
+                   .dump(1)
+            << "\n";
   return 0;
 }
 
@@ -369,9 +418,10 @@ int tell(const std::vector<std::string>& arguments) {
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   if (arguments.size() == 3 && arguments[0] == "info" && arguments[2] == "--json") return info(arguments[1]);
+  if (arguments.size() > 3 && arguments[0] == "info" && arguments[2] == "--json") return view(arguments);
   if (arguments.size() == 3 && arguments[0] == "worker" && arguments[1] == "--job") return work(arguments[2]);
   if (arguments.size() == 3 && arguments[0] == "probe") return tests::probe(arguments[1], arguments[2]);
   if (arguments.size() > 3 && arguments[0] == "pixel" && arguments[2] == "--json") return tell(arguments);
-  std::cerr << "usage: info FILE --json | worker --job FILE | pixel FILE --json OPTIONS | probe WHAT PATH\n";
+  std::cerr << "usage: info FILE --json [OPTIONS] | worker --job FILE | pixel FILE --json OPTIONS | probe WHAT PATH\n";
   return 2;
 }
