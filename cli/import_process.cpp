@@ -30,7 +30,8 @@ namespace {
 
 using nlohmann::json;
 
-// A folder beside the file to be: what is written there becomes that file by a rename, and all else goes with it.
+// A folder beside the file to be: what is written there becomes that file by a rename, and all else goes with it. In
+// place of one a name among temporary files: a folder for what is not the capture.
 class FolderBeside {
  public:
   explicit FolderBeside(const std::filesystem::path& target) : target_(target) {
@@ -205,9 +206,9 @@ void import_in_child(const std::string& in, const std::filesystem::path& out, co
   Conversation conversation;
   ChildOutcome outcome;
   {
-    std::optional<FolderBeside> folder;
-    if (!in_place) folder.emplace(out);
-    const std::string file = in_place ? out.string() : folder->file().string();
+    const FolderBeside folder(in_place ? std::filesystem::temp_directory_path() / "subpixel-import" : out);
+    const std::string own_folder = std::filesystem::absolute(folder.file()).parent_path().string();
+    const std::string file = in_place ? out.string() : folder.file().string();
     std::vector<std::string> arguments{std::filesystem::read_symlink("/proc/self/exe").string(), "import-worker"};
     arguments.insert(arguments.end(), options.begin(), options.end());
     arguments.insert(arguments.end(), {"--", in, file});
@@ -215,15 +216,17 @@ void import_in_child(const std::string& in, const std::filesystem::path& out, co
     child_limits.duration = limits.duration.count() > 0 ? limits.duration : std::chrono::hours(24 * 365);
     child_limits.silence = child_limits.duration;
     child_limits.address_space_bytes = limits.address_space_bytes;
+    child_limits.environment.push_back("TMPDIR=" + own_folder);
     // Who imports on the command line may read what they may; the reader of someone else's file writes nothing but the
-    // capture, opens no connection and starts nothing. RenderDoc's own replay needs more than that: a display, a
-    // driver, its module's place.
-    if (!is_renderdoc(in))
-      child_limits.confinement = Confinement{{"/"}, {in_place ? file : folder->file().parent_path().string()}};
+    // capture, opens no connection and, but for RenderDoc's Python, starts nothing.
+    if (limits.is_confined) {
+      child_limits.confinement = Confinement{{"/"}, {own_folder}, is_renderdoc(in)};
+      if (in_place) child_limits.confinement->writable.push_back(file);
+    }
     outcome = run_child(arguments, child_limits, signals->stop_token(),
                         [&](std::string_view line) { return conversation.take(line); });
     const bool ended_well = outcome.kind == ChildOutcome::Kind::exited && outcome.code == 0 && conversation.summary();
-    if (ended_well && folder) folder->rename_to_target();
+    if (ended_well && !in_place) folder.rename_to_target();
     if (!ended_well && outcome.kind == ChildOutcome::Kind::exited && outcome.code != 0 && conversation.error()) {
       throw_reported(outcome.code, replaced(*conversation.error(), printable(file), out.string()));
     }

@@ -16,6 +16,7 @@ namespace subpixel::cli {
 struct ImportLimits {
   std::chrono::seconds duration{300};     // 0: none
   std::uint64_t address_space_bytes = 0;  // 0: none
+  bool is_confined = true;                // docs/operations.md
 };
 
 // Three quarters of the machine's memory, at most 8 GiB; none where a sanitizer needs more address space than there is

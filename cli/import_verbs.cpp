@@ -53,11 +53,13 @@ int import(const ImportArguments& arguments) {
   if (arguments.frames) add("--frames", std::to_string(*arguments.frames));
   for (const std::string& folder : arguments.assets) add("--assets", folder);
   for (const std::string& next : arguments.renderdoc.more) add("--next", next);
+  if (arguments.renderdoc.on_display) options.emplace_back("--on-display");
   for (const auto& [name, value] : renderdoc_values(arguments)) add(name, *value);
   ImportLimits limits;
   // RenderDoc replays the frame up to each draw that is asked about.
   const bool is_frame = is_renderdoc(arguments.in);
   limits.duration = std::chrono::seconds(arguments.limit_seconds.value_or(is_frame ? kFrameSeconds : kModelSeconds));
+  limits.is_confined = !(is_frame && arguments.renderdoc.on_display);
   limits.address_space_bytes =
       arguments.limit_memory ? *arguments.limit_memory * kMebibyte : default_import_address_space();
   import_in_child(arguments.in, arguments.out, options, limits);
@@ -100,6 +102,8 @@ void add_common(CLI::App& verb, ImportArguments& arguments) {
   verb.add_option("--target", arguments.target,
                   "RenderDoc: id of the main view's depth target; default: most triangles");
   verb.add_option("--textures", arguments.textures, "RenderDoc: JSON file of texture names and slots for each role");
+  verb.add_flag("--on-display", arguments.renderdoc.on_display,
+                "RenderDoc: replay on the display and by the drivers found here, not confined; default: on the CPU");
   verb.add_option("--sun", arguments.sun, "RenderDoc: X,Y,Z, the way a sun's light travels; default: no sun");
 }
 

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "base/json_document.hpp"
@@ -58,29 +59,23 @@ void unpack(const std::filesystem::path& folder) {
   write("subpixel_renderdoc", python::renderdoc_files());
 }
 
-std::optional<std::string> program_in_path(const std::string& name) {
-  const char* const path = std::getenv("PATH");
-  std::string folders = path != nullptr ? path : "/usr/bin:/bin";
-  for (std::size_t at = 0; at <= folders.size();) {
-    const std::size_t end = std::min(folders.find(':', at), folders.size());
-    const std::string program = folders.substr(at, end - at) + "/" + name;
-    if (::access(program.c_str(), X_OK) == 0) return program;
-    at = end + 1;
-  }
-  return std::nullopt;
-}
-
 std::string with_variable(const char* name, const std::string& value) {
   return std::string(name) + "=" + value;
 }
 
 // This process's environment with what the exporter needs.
-std::vector<std::string> environment_with(const std::filesystem::path& package) {
+std::vector<std::string> environment_with(const std::filesystem::path& package, const std::filesystem::path& temporary,
+                                          bool on_display) {
   // Replaying a frame on the CPU takes seconds for each draw asked about, nearly all of them for pixels that nobody
   // looks at; Mesa's software rasterizer leaves them out when asked to, other drivers know nothing of it.
-  const std::vector<std::string> added{with_variable("PYTHONPATH", package.string()),
-                                       with_variable("PYTHONDONTWRITEBYTECODE", "1"),
-                                       with_variable("LP_PERF", "no_shade,no_depth")};
+  std::vector<std::string> added{
+      with_variable("PYTHONPATH", package.string()), with_variable("PYTHONDONTWRITEBYTECODE", "1"),
+      with_variable("RENDERDOC_TEMP", temporary.string()), with_variable("LP_PERF", "no_shade,no_depth")};
+  if (!on_display) {
+    added.insert(added.end(),
+                 {with_variable("DISPLAY", ""), with_variable("WAYLAND_DISPLAY", ""),
+                  with_variable("LIBGL_ALWAYS_SOFTWARE", "1"), with_variable("MESA_SHADER_CACHE_DISABLE", "1")});
+  }
   std::vector<std::string> all = added;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text = *entry;
@@ -89,6 +84,8 @@ std::vector<std::string> environment_with(const std::filesystem::path& package) 
     });
     if (!is_replaced) all.emplace_back(text);
   }
+  // Empty is not enough: RenderDoc would look for a display of that name.
+  std::erase_if(all, [](const std::string& text) { return text == "DISPLAY=" || text == "WAYLAND_DISPLAY="; });
   return all;
 }
 
@@ -174,21 +171,17 @@ capture::Capture import_renderdoc(const std::string& in, const RenderDocOptions&
   const Scratch made(scratch);
   const std::filesystem::path package = made.folder() / "package", exported = made.folder() / "exported.spcap";
   unpack(package);
-  std::vector<std::string> arguments;
-  if (std::getenv("DISPLAY") == nullptr) {  // OpenGL asks for one
-    if (const auto xvfb = program_in_path("xvfb-run")) arguments = {*xvfb, "-a"};
-  }
   const char* const python = std::getenv("SUBPIXEL_PYTHON");
-  arguments.insert(arguments.end(), {python != nullptr ? python : "/usr/bin/python3", "-m", "subpixel_renderdoc"});
+  std::vector<std::string> arguments{python != nullptr ? python : "/usr/bin/python3", "-m", "subpixel_renderdoc"};
   arguments.emplace_back("--json");
   arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
   arguments.emplace_back("--");
   for (const std::string& input : inputs) arguments.push_back(std::filesystem::absolute(input).string());
   arguments.push_back(exported.string());
 
-  const Ended ended = run(arguments, environment_with(package));
+  const Ended ended = run(arguments, environment_with(package, made.folder(), options.on_display));
   if (ended.error) throw InputError(kFailed, *ended.error, "");
-  // A shell between (xvfb-run) says 128 and the signal.
+  // A shell between says 128 and the signal.
   const int code = WIFSIGNALED(ended.status) ? 128 + WTERMSIG(ended.status) : WEXITSTATUS(ended.status);
   if (code > 128) throw InputError(kFailed, fmt::format("RenderDoc crashed (signal {})", code - 128), in);
   if (code != 0) throw InputError(kFailed, fmt::format("its exporter ended with exit code {} and no reason", code), in);

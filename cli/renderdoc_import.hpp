@@ -14,14 +14,14 @@ namespace subpixel::cli {
 struct RenderDocOptions {
   std::vector<std::string> more;       // further .rdc files: a frame each, after the first
   std::vector<std::string> arguments;  // of the exporter, verbatim: --events=..., --sun=...
+  bool on_display = false;             // by the display and the drivers found here; otherwise without a display
 };
 
 bool is_renderdoc(const std::filesystem::path& path);
 
-// The capture of a .rdc file. Runs the exporter, whose progress lines go to standard output as JSON documents; a
-// display is made by xvfb-run where there is none. The Python is that of the environment variable SUBPIXEL_PYTHON, else
-// /usr/bin/python3. Files are made in a folder of its own under `scratch` and removed. Throws InputError with the
-// exporter's or the system's reason.
+// The capture of a .rdc file. Runs the exporter, whose progress lines go to standard output as JSON documents. The
+// Python is that of the environment variable SUBPIXEL_PYTHON, else /usr/bin/python3. Files are made in a folder of its
+// own under `scratch` and removed. Throws InputError with the exporter's or the system's reason.
 capture::Capture import_renderdoc(const std::string& in, const RenderDocOptions& options,
                                   const std::filesystem::path& scratch);
 

@@ -46,8 +46,6 @@ constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_F
 constexpr std::uint64_t kWrite = kRead | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_REMOVE_DIR |
                                  LANDLOCK_ACCESS_FS_REMOVE_FILE | LANDLOCK_ACCESS_FS_MAKE_DIR |
                                  LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REFER | kTruncate;
-constexpr std::uint64_t kMakeForPrograms =
-    LANDLOCK_ACCESS_FS_MAKE_SOCK | LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_SYM;
 constexpr std::uint64_t kOfFiles = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_WRITE_FILE |
                                    LANDLOCK_ACCESS_FS_READ_FILE | kTruncate | kIoctlDevice;
 
@@ -76,13 +74,11 @@ constexpr const char* kForbidden[] = {
     "io_uring_setup", "io_uring_enter", "io_uring_register", "bpf", "perf_event_open", "userfaultfd", "keyctl",
     "add_key", "request_key", "kexec_load", "kexec_file_load", "init_module", "finit_module", "delete_module", "reboot",
     "swapon", "swapoff", "acct", "settimeofday", "clock_settime", "clock_adjtime", "adjtimex", "stime", "sethostname",
-    "setdomainname", "iopl", "ioperm", "modify_ldt", "syslog", "vhangup", "lookup_dcookie", "uselib"};
-// What only those that start programs need.
-constexpr const char* kForbiddenAlone[] = {
-    "kill",    "tkill",   "rt_sigqueueinfo", "rt_tgsigqueueinfo", "chmod",  "fchmod",     "fchmodat",   "fchmodat2",
-    "utime",   "utimes",  "utimensat",       "futimesat",         "socket", "socketpair", "socketcall", "connect",
-    "bind",    "listen",  "accept",          "accept4",           "shmget", "shmat",      "msgget",     "semget",
-    "mq_open", "execveat"};
+    "setdomainname", "iopl", "ioperm", "modify_ldt", "syslog", "vhangup", "lookup_dcookie", "uselib",
+    // Signals to others, modes and times of files, ways to other processes.
+    "kill", "tkill", "rt_sigqueueinfo", "rt_tgsigqueueinfo", "chmod", "fchmod", "fchmodat", "fchmodat2", "utime",
+    "utimes", "utimensat", "futimesat", "socket", "socketpair", "socketcall", "connect", "bind", "listen", "accept",
+    "accept4", "shmget", "shmat", "msgget", "semget", "mq_open", "execveat"};
 
 int landlock_version() {
   const long version = ::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
@@ -164,15 +160,10 @@ std::vector<sock_filter> filter_for(bool runs_programs) {
   }
   // Its flags are in memory, where no filter looks; the C library takes clone then.
   refuse(filter, "clone3", ENOSYS);
-  if (runs_programs) {
-    refuse(filter, "socket", EPERM, {SCMP_A0_64(SCMP_CMP_NE, AF_UNIX, 0)});
-  } else {
-    for (const char* const name : kForbiddenAlone) refuse(filter, name);
-    if (!kSanitized) {
-      refuse(filter, "clone", EPERM, {SCMP_A0_64(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0)});
-      refuse(filter, "fork");
-      refuse(filter, "vfork");
-    }
+  if (!runs_programs && !kSanitized) {
+    refuse(filter, "clone", EPERM, {SCMP_A0_64(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0)});
+    refuse(filter, "fork");
+    refuse(filter, "vfork");
   }
   return compiled(filter);
 }
@@ -180,7 +171,7 @@ std::vector<sock_filter> filter_for(bool runs_programs) {
 }  // namespace
 
 PreparedConfinement::PreparedConfinement(const Confinement& confinement, const std::string& program)
-    : landlock_version_(landlock_version()), runs_programs_(confinement.runs_programs) {
+    : landlock_version_(landlock_version()) {
   const auto add = [&](const std::string& path, std::uint64_t access) {
     if (!path.empty()) rules_.push_back({path, access & handled_file_access(landlock_version_)});
   };
@@ -197,15 +188,13 @@ PreparedConfinement::PreparedConfinement(const Confinement& confinement, const s
   // Only itself and what loads it: another program would be as confined, but there is no use for one.
   add(program, LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_READ_FILE);
   add(dynamic_loader(), LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_READ_FILE);
-  if (runs_programs_) {
+  if (confinement.runs_programs) {
     for (const char* const folder : {"/usr", "/bin", "/lib", "/lib64"}) add(folder, kRead | LANDLOCK_ACCESS_FS_EXECUTE);
-    for (const char* const folder : {"/etc", "/proc", "/sys", "/dev"}) add(folder, kRead);
+    if (const char* const python = std::getenv("SUBPIXEL_PYTHON")) add(python, kRead | LANDLOCK_ACCESS_FS_EXECUTE);
   }
   for (const std::string& path : confinement.readable) add(path, kRead);
-  for (const std::string& path : confinement.writable) {
-    add(path, runs_programs_ ? kWrite | kMakeForPrograms : kWrite);
-  }
-  if (has_seccomp_filters()) filter_ = filter_for(runs_programs_);
+  for (const std::string& path : confinement.writable) add(path, kWrite);
+  if (has_seccomp_filters()) filter_ = filter_for(confinement.runs_programs);
 }
 
 bool PreparedConfinement::enter() const noexcept {

@@ -13,8 +13,8 @@ namespace subpixel {
 struct Confinement {
   std::vector<std::string> readable;  // files, and folders with all in them, besides the system's libraries and data
   std::vector<std::string> writable;  // the same, to make, change and remove in too
-  // May start the system's programs and processes and use local (unix) sockets: the import of RenderDoc captures runs
-  // Python and an X server. Otherwise there are no sockets at all, no further process and no program but its own.
+  // May start processes and the programs of /usr and of SUBPIXEL_PYTHON, which are confined alike: the import of
+  // RenderDoc captures runs Python. Otherwise there is no further process and no program but its own.
   bool runs_programs = false;
 };
 
@@ -36,7 +36,6 @@ class PreparedConfinement {
   bool enter_landlock() const noexcept;
 
   int landlock_version_;
-  bool runs_programs_;
   std::vector<Rule> rules_;
   std::vector<sock_filter> filter_;  // empty where the kernel has no seccomp filters
 };

@@ -92,7 +92,6 @@ void CaptureImport::run(const std::filesystem::path& model, const std::string& k
   limits.confinement = confined(worker, {model.parent_path()}, {folder_ / "out"});
   limits.confinement->runs_programs = is_frame;
   limits.environment.push_back("TMPDIR=" + (folder_ / "out").string());
-  if (is_frame) limits.confinement->writable.emplace_back("/tmp");  // where X servers have their sockets
 
   std::string error;
   bool done = false;

@@ -3,7 +3,7 @@ import hashlib
 import io
 import os
 import struct
-import tempfile
+import uuid
 import zlib
 
 from . import codecs, layout
@@ -215,16 +215,13 @@ def encode(capture, level=6):
 def write(capture, path, level=6):
     """Writes a .spcap file, which is there when it is whole, else as it was before. Raises CaptureError, OSError."""
     folder = os.path.dirname(os.path.abspath(path))
-    handle, part = tempfile.mkstemp(dir=folder, prefix=os.path.basename(path) + ".")
+    part = os.path.join(folder, "{}.{}".format(os.path.basename(path), uuid.uuid4().hex))
+    out = open(part, "xb")
     try:
-        with os.fdopen(handle, "wb") as out:
+        with out:
             write_to(capture, out, level)
             out.flush()
             os.fsync(out.fileno())
-        if os.name == "posix":
-            mask = os.umask(0)
-            os.umask(mask)
-            os.chmod(part, 0o666 & ~mask)
         os.replace(part, path)
     except BaseException:
         os.unlink(part)

@@ -1,4 +1,5 @@
 """The one error of this package, and the module that may be missing."""
+import os
 
 
 class ExportError(Exception):
@@ -11,6 +12,9 @@ class ExportError(Exception):
 
 def renderdoc_module():
     """RenderDoc's Python module: built in in qrenderdoc, python3-renderdoc on Debian."""
+    if "DISPLAY" not in os.environ:
+        # RenderDoc then replays OpenGL by EGL, whose platform without windows Mesa has.
+        os.environ.setdefault("EGL_PLATFORM", "surfaceless")
     try:
         import renderdoc
     except ImportError as error:

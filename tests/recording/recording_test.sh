@@ -22,7 +22,7 @@ value() { "$python" -c 'import json, sys; print(json.load(sys.stdin)[sys.argv[1]
 # expect_depth NAME LEAST_PERCENT: of the pixels that either side covers, of frame 0
 expect_depth() {
   local said share
-  said=$(xvfb-run -a "$python" -m subpixel_renderdoc.depth "$folder/$1/frame_0.rdc" "$folder/$1.spcap" 0 "$subpixel" \
+  said=$("$python" -m subpixel_renderdoc.depth "$folder/$1/frame_0.rdc" "$folder/$1.spcap" 0 "$subpixel" \
     "$folder/$1.depth")
   share=$("$python" -c 'import json, sys
 s = json.loads(sys.argv[1]); print(100 * s["agree"] / (100 - s["neither"]))' "$said")
@@ -41,6 +41,38 @@ for program in "${programs[@]}"; do
   "$subpixel" info --json "$folder/$name.spcap" >"$folder/$name.json"
   [ "$(value frame_count <"$folder/$name.json")" = 2 ] || failed "$name has not two frames"
   expect_depth "$name" 99
+done
+
+# The service, whose import may reach nothing but the frame, makes the same bytes of it as the command line, and that the
+# same with a display and without.
+"$subpixel" serve --data "$folder/service" --listen 127.0.0.1:0 >"$folder/service.log" 2>&1 &
+service=$!
+trap 'kill $service 2>/dev/null || :; rm -rf "$folder"' EXIT
+for program in "${programs[@]}"; do
+  name=$(basename "$program")
+  frame=$folder/$name/frame_0.rdc
+  [ -e "$frame" ] || continue
+  "$subpixel" import "$frame" "$folder/frame_0.spcap" || { failed "$name: a frame is not imported"; continue; }
+  "$python" - "$folder" "$frame" <<'PY' || failed "$name: not imported by the service as by the command line"
+import json, pathlib, re, sys, time, urllib.request
+folder, frame = map(pathlib.Path, sys.argv[1:])
+for _ in range(300):
+    said = re.search(r"http://\S+", (folder / "service.log").read_text())
+    if said:
+        break
+    time.sleep(0.1)
+address = said.group() + "/api/captures"
+try:
+    with urllib.request.urlopen(urllib.request.Request(address + "?name=frame_0.rdc", frame.read_bytes())) as answer:
+        capture = json.load(answer)
+except urllib.error.HTTPError as error:
+    sys.exit(error.read().decode())
+with urllib.request.urlopen("{}/{}/file".format(address, capture["hash"])) as answer:
+    theirs = answer.read()
+assert theirs == (folder / "frame_0.spcap").read_bytes(), "other bytes"
+PY
+  xvfb-run -a "$subpixel" import --on-display "$frame" "$folder/on_display.spcap" || failed "$name: --on-display"
+  cmp "$folder/frame_0.spcap" "$folder/on_display.spcap" || failed "$name: with a display it is another capture"
 done
 
 # One scene by two APIs: the same triangles, textures and features.
