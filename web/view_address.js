@@ -28,11 +28,13 @@ export class ViewAddress {
     }
     // Browsers take few changes of the address a second.
     this.#timer ||= setTimeout(() => this.write(), 150);
+    document.body.dataset.address = 'due';  // for tests
   }
 
   write() {
     clearTimeout(this.#timer);
     this.#timer = 0;
+    delete document.body.dataset.address;
     if (path() !== this.#path) return;  // the user is elsewhere
     const text = String(this.#values);
     history.replaceState(null, '', text ? `${this.#path}?${text}` : this.#path);

@@ -32,6 +32,13 @@ const expectKeys = async (wanted) => {
 };
 const parameters = () => new URLSearchParams(new URL(page.url()).hash.split('?')[1] ?? '');
 const awaitParameter = (name, value) => page.waitForFunction(([n, v]) => new URLSearchParams(location.hash.split('?')[1] ?? '').get(n) === v, [name, value]);
+// The address follows what is done a moment later.
+const addressed = () => page.waitForFunction(() => !document.body.dataset.address);
+const expectNear = async (name, wanted, tolerance) => {
+  await page.waitForFunction(([n, w, t]) => Math.abs(Number(new URLSearchParams(location.hash.split('?')[1] ?? '').get(n)) - w) < t, [name, wanted, tolerance], {timeout: 10_000}).catch(() => {});
+  const actual = Number(parameters().get(name));
+  assert.ok(Math.abs(actual - wanted) < tolerance, `${name}: ${actual} is not ${wanted}`);
+};
 const srgb = (v) => 255 * (v <= 0 ? 0 : v >= 1 ? 1 : v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055);
 const half = (value) => fromHalf(toHalf(value));
 // The colour of made_up_service.mjs' palettes.
@@ -64,7 +71,7 @@ async function place(x, y, cell = 0) {
 
 async function colourOf(x, y, cell = 0) {
   await settled();
-  await page.waitForTimeout(250);  // the address follows a moment later
+  await addressed();
   const at = await place(x, y, cell);
   return page.locator('.view-canvas').evaluate((canvas, point) => {
     const box = canvas.getBoundingClientRect();
@@ -206,7 +213,7 @@ const tests = [
   ['zoom keeps pixels square, with their values; the minimap, dragging and keys move', async () => {
     await press('f', '1');
     for (let i = 0; i < 20 && await page.locator('.scale').innerText() !== '64.0×'; ++i) await press('z');
-    await page.waitForTimeout(300);
+    await addressed();
     const from = Number(parameters().get('x'));
     const colours = new Set();
     const at = await place(Math.floor(from), Math.floor(Number(parameters().get('y'))));
@@ -220,19 +227,16 @@ const tests = [
     await browser.shot('pixel-values');
     await page.locator('.view-canvas').focus();
     await press('ArrowRight');
-    await page.waitForTimeout(300);
-    assert.ok(Math.abs(Number(parameters().get('x')) - from - 40 / 64) < 0.01);
+    await expectNear('x', from + 40 / 64, 0.01);
     const box = await page.locator('.view-canvas').boundingBox();
     await page.mouse.move(box.x + 300, box.y + 200);
     await page.mouse.down();
     await page.mouse.move(box.x + 300 - 128, box.y + 200, {steps: 4});
     await page.mouse.up();
-    await page.waitForTimeout(300);
-    assert.ok(Math.abs(Number(parameters().get('x')) - from - 40 / 64 - 2) < 0.05, parameters().get('x'));
+    await expectNear('x', from + 40 / 64 + 2, 0.05);
     const map = await page.locator('.minimap').boundingBox();
     await page.mouse.click(map.x + map.width * 0.25, map.y + map.height * 0.5);
-    await page.waitForTimeout(300);
-    assert.ok(Math.abs(Number(parameters().get('x')) - width * 0.25) < 2, parameters().get('x'));
+    await expectNear('x', width * 0.25, 2);
     await press('0');
     assert.equal(await page.locator('.minimap').isVisible(), false);
   }],
@@ -246,24 +250,22 @@ const tests = [
     await touch('touchStart', [x - 40, y]);
     await touch('touchStart', [x - 40, y], [x + 40, y]);
     for (let apart = 50; apart <= 160; apart += 10) await touch('touchMove', [x - apart, y], [x + apart, y]);
-    await page.waitForTimeout(300);
-    const zoom = Number(parameters().get('zoom'));
     const fit = Math.min(before, (await page.locator('.view-canvas').boundingBox()).height / height);
-    assert.ok(Math.abs(zoom / fit - 4) < 0.1, `${zoom} of ${fit}`);
+    await expectNear('zoom', 4 * fit, 0.1 * fit);
+    const zoom = Number(parameters().get('zoom'));
     const under = await place(60, 40);
     near([under.x, under.y], [x, y], 1, 'what is between the fingers stays there');
     const centre = Number(parameters().get('x'));
     for (let by = 8; by <= 64; by += 8) await touch('touchMove', [x - 160 + by, y], [x + 160 + by, y]);
     await touch('touchEnd');
-    await page.waitForTimeout(300);
-    assert.ok(Math.abs(centre - Number(parameters().get('x')) - 64 / zoom) < 0.1, 'it follows them');
+    await expectNear('x', centre - 64 / zoom, 0.1);
     await session.detach();
     await press('0');
   }],
 
   ['a click tells which pixel was chosen', async () => {
     await page.evaluate(() => document.addEventListener('pixelchosen', ({detail}) => (window.chosen = detail)));
-    await page.waitForTimeout(250);
+    await addressed();
     const at = await place(60, 30);
     await page.mouse.click(at.x, at.y);
     const {x, y, layer} = await page.evaluate(() => window.chosen);
@@ -459,7 +461,8 @@ const tests = [
     await page.getByLabel('group').selectOption('technique');
     await page.locator('h1').click();
     await press(']', ']', 'd', 'g', 'z', 'z', 'x', 'a', 'k');
-    await page.waitForTimeout(400);
+    await settled();
+    await addressed();
     const address = page.url();
     const state = () => page.evaluate(() => ({table: document.querySelector('.results').innerText, keys: document.querySelector('.view').dataset.keys, scale: document.querySelector('.scale').innerText,
       frame: document.querySelector('.frame-number').innerText, box: document.querySelector('.box-panel h3')?.innerText, label: document.querySelector('.view-label').innerText}));
