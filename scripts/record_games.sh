@@ -24,7 +24,7 @@ record() {
     >"$out/$name.log" 2>&1 || { echo "$name: not recorded: $(tail -n 1 "$out/$name.log")"; return 0; }
   echo "$name: $("$SUBPIXEL" info "$out/$name.spcap" | grep -E '^(draws|triangles) ' | tr -s ' \n' ' ')"
   printf '%s: per cent of the pixels: ' "$name"
-  PYTHONPATH=$root/python PYTHONDONTWRITEBYTECODE=1 LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a "$python" \
+  PYTHONPATH=$root/python PYTHONDONTWRITEBYTECODE=1 LIBGL_ALWAYS_SOFTWARE=1 "$python" \
     -m subpixel_renderdoc.depth "$out/$name/frame_0.rdc" "$out/$name.spcap" 0 "$SUBPIXEL" "$out/$name.depth" ||
     echo "not compared"  # the other games are recorded all the same
 }
@@ -34,7 +34,7 @@ for game in "${games[@]}"; do
     warzone_*)
       settings=$out/$game.settings
       rm -rf "$settings"; mkdir -p "$settings"
-      record "$game" 1 --delay 75 --timeout 200 -- warzone2100 --gfxbackend="${game#warzone_}" --window \
+      record "$game" 1 --delay 75 --timeout 600 -- warzone2100 --gfxbackend="${game#warzone_}" --window \
         --resolution=1280x720 --nosound --game=CAM_1A --configdir="$settings" ;;
     black_forest | lighthouse)
       # Without the lights that are worked out a minute for each track where the CPU draws; textures as texels and
@@ -49,11 +49,11 @@ for game in "${games[@]}"; do
 </stkconfig>
 XML
       frames=1; [ "$game" = black_forest ] || frames=30
-      XDG_CONFIG_HOME=$out/supertuxkart.settings record "$game" "$frames" --delay 100 --timeout 420 --size 800x450 -- \
+      XDG_CONFIG_HOME=$out/supertuxkart.settings record "$game" "$frames" --delay 100 --timeout 900 --size 800x450 -- \
         supertuxkart --windowed --screensize=800x450 --no-start-screen --track="$game" --numkarts=3 --mode=1 \
         --profile-laps=5 --no-sound ;;
     courtyard)
-      HOME=$out record "$game" 3 --frame 40 --timeout 150 -- godot3-runner --path "$root/tests/recording/godot" \
+      HOME=$out record "$game" 1 --frame 40 --timeout 600 -- godot3-runner --path "$root/tests/recording/godot" \
         --video-driver GLES3 --audio-driver Dummy ;;
     *) echo "no such game: $game" >&2; exit 2 ;;
   esac
