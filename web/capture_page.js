@@ -7,6 +7,7 @@ import {bytes, count, when} from './format.js';
 import {FrameView} from './frame_view.js';
 import {runForm} from './run_form.js';
 import {runsTable} from './runs_page.js';
+import {ViewAddress} from './view_address.js';
 
 // What whoever recorded, imported, cut or read the capture left out or approximated.
 function noticeList(notices) {
@@ -39,23 +40,32 @@ function needList(features) {
   return [h('h2', {}, 'What the scene needs'), h('dl.needs', {}, features.map((feature) => h('div', {}, h('dt', {}, feature), h('dd', {}, needs[feature] ?? ''))))];
 }
 
-// Frames and draws are asked for when they are opened: the service replays the frame for them.
+// Frames and draws are asked for when they are opened: the service replays the frame for them. What is open is in the address.
 function framesPanel(capture) {
   const {hash, frame_count: frames, width, height} = capture;
   const side = 640;
   const scale = side / Math.max(width, height, 1);
   const size = [width, height].map((length) => Math.max(1, Math.round(length * scale) || 1));
-  const view = new FrameView(hash, size);
+  const address = new ViewAddress();
+  const wanted = Math.trunc(address.number('frame', 0));
+  let shown = {frame: wanted >= 0 && wanted < frames ? wanted : 0, draw: address.number('draw', null), material: address.number('material', null)};
+  const tell = (choice) => {
+    shown = {...shown, ...choice};
+    address.set(shown);
+  };
+  const view = new FrameView(hash, size, (choice) => panel.open && tell(choice));
   const strip = new FilmStrip(hash, frames, (frame) => show(frame));
   const number = h('input', {type: 'number', min: 0, max: frames - 1, value: 0, onchange: () => number.reportValidity() && show(number.valueAsNumber)});
-  const show = (frame) => {
+  const show = (frame, choice = {draw: null, material: null}) => {
     number.value = frame;
     strip.select(frame);
-    return view.show(frame);
+    tell({frame, ...choice});
+    return view.show(frame, choice);
   };
-  const panel = h('details.frames-panel', {ontoggle: async () => {
-    if (!panel.open || view.element.hasChildNodes()) return;
-    await show(0);
+  const panel = h('details.frames-panel', {open: address.text('frame') !== '', ontoggle: async () => {
+    if (!panel.open) return address.set({frame: null, draw: null, material: null});
+    if (view.element.hasChildNodes()) return tell({});
+    await show(shown.frame, shown);
     if (frames > 1) strip.fill();
   }}, h('summary', {}, 'Frames and draws'), frames > 1 && [strip.element, field('Frame', number)], view.element);
   return {element: panel, close: () => strip.close()};

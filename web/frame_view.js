@@ -63,16 +63,19 @@ export class FrameView {
   #view = null;
   #picture = null;
   #draws = null;      // of each pixel
+  #groups = [];       // by material
   #chosen = null;     // numbers of draws
+  #told;
   #turn = 0;
   #canvas = h('canvas.frame-canvas', {tabindex: 0, role: 'img'});
   #tree = h('div.draw-tree', {});
   #details = h('div.draw-details', {'aria-live': 'polite'});
 
-  /** Of the capture with this hash; pictures are `size` [width, height]. */
-  constructor(hash, size) {
+  /** Of the capture with this hash; pictures are `size` [width, height]. `told({draw, material})` hears what is chosen, null what is not. */
+  constructor(hash, size, told = () => {}) {
     this.#hash = hash;
     this.#size = size;
+    this.#told = told;
     this.#canvas.addEventListener('click', (event) => {
       const box = this.#canvas.getBoundingClientRect();
       const [width, height] = this.#view.size;
@@ -84,8 +87,8 @@ export class FrameView {
     this.#canvas.addEventListener('keydown', (event) => event.key === 'Escape' && this.#choose(null));
   }
 
-  /** Asks for a frame and shows it. */
-  async show(frame) {
+  /** Asks for a frame and shows it with a draw or all draws of a material chosen, when it has them. */
+  async show(frame, choice = {}) {
     const mine = ++this.#turn;
     this.#chosen = null;
     replace(this.element, h('p.quiet', {role: 'status'}, `Frame ${frame} is being drawn …`), h('div.skeleton', {}));
@@ -98,19 +101,20 @@ export class FrameView {
       if (mine === this.#turn) replace(this.element, h('p.problem', {role: 'alert'}, error.message));
       return;
     }
-    this.#build();
+    this.#build(choice);
     announce(`Frame ${frame} is shown`);
   }
 
-  #build() {
+  #build({draw, material}) {
     const {draws, frame, size: [width, height]} = this.#view;
     Object.assign(this.#canvas, {width, height});
     replace(this.element, h('div.frame-parts', {}, h('div.frame-picture', {}, this.#canvas, this.#details),
       h('div', {}, h('p.quiet', {}, `Frame ${frame}: ${count(draws.length)} draws, ${count(sum(draws, 'triangles'))} triangles`), this.#tree)));
-    const listed = draws.slice(0, mostDraws);
-    replace(this.#tree, byMaterial(listed).map((group) => this.#branch(group)),
+    this.#groups = byMaterial(draws.slice(0, mostDraws));
+    replace(this.#tree, this.#groups.map((group) => this.#branch(group)),
       draws.length > mostDraws && h('p.quiet', {}, `and ${count(draws.length - mostDraws)} draws more, which a click in the picture finds`));
-    this.#choose(null);
+    const whole = this.#groups.find((group) => group.material.number === material)?.draws.map((one) => one.draw);
+    this.#choose(draws[draw] ? [draw] : whole ?? null);
   }
 
   // A material with its draws; more than a few are shown when it is opened.
@@ -133,9 +137,10 @@ export class FrameView {
   // Chooses draws by their numbers, null none.
   #choose(draws) {
     this.#chosen = draws && new Set(draws);
-    const only = draws?.length === 1 ? this.#view.draws[draws[0]] : null;
-    if (only) {
-      const branch = this.#tree.querySelector(`details[data-material="${only.material.number}"]`);
+    const first = draws && this.#view.draws[draws[0]];
+    const only = draws?.length === 1 ? first : null;
+    if (first) {
+      const branch = this.#tree.querySelector(`details[data-material="${first.material.number}"]`);
       if (branch && !branch.open) branch.open = true;
       branch?.dispatchEvent(new Event('toggle'));
     }
@@ -146,6 +151,7 @@ export class FrameView {
     }
     this.#paint();
     this.#tell(draws, only);
+    this.#told({draw: only?.draw ?? null, material: first && !only ? first.material.number : null});
   }
 
   // The picture, dimmed where another draw is seen than the chosen ones.

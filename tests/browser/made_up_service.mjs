@@ -114,7 +114,7 @@ export class MadeUpService {
   /** `runs` {id: {frames, rows, width, height, status}} of one capture. */
   constructor(runs) {
     this.runs = runs;
-    this.delay = 0;        // ms before each answer of the API
+    this.held = null;      // what the API's answers wait for
     this.broken = new Set(); // roles whose blobs are missing
     this.requests = [];
     this.streams = new Set();
@@ -132,6 +132,13 @@ export class MadeUpService {
     for (const stream of this.streams) stream.destroy();
     this.server.closeAllConnections();
     await new Promise((resolve) => this.server.close(resolve));
+  }
+
+  /** The API's answers wait until what is returned is called. */
+  hold() {
+    let release;
+    this.held = new Promise((resolve) => (release = resolve)).then(() => (this.held = null));
+    return release;
   }
 
   techniques(run) {
@@ -196,7 +203,7 @@ export class MadeUpService {
       const file = join(web, path === '/' ? 'index.html' : path.slice(1));
       return /^\/[a-z0-9_.-]*$/.test(path) && existsSync(file) ? send(200, media[extname(file)] ?? 'text/plain', readFileSync(file), 'no-cache') : missing();
     }
-    if (this.delay > 0 && path !== '/api/health') await new Promise((resolve) => setTimeout(resolve, this.delay));
+    if (path !== '/api/health') await this.held;
     const blob = /^\/api\/blobs\/([0-9a-f]{32})$/.exec(path);
     if (blob) {
       const found = this.#blob(blob[1]);

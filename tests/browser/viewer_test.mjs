@@ -159,7 +159,77 @@ const tests = [
     await page.locator('.frame-canvas[aria-label="Frame 2"]').waitFor({timeout});
     assert.equal(await page.locator('.film-frame[aria-pressed="true"]').innerText(), '2');
     await shot('film-strip');
-    await page.locator('.frames-panel summary').first().click();
+  }],
+
+  ['the frame and what is chosen in it are in the address, which restores them', async () => {
+    const parameters = () => Object.fromEntries(new URLSearchParams(new URL(page.url()).hash.split('?')[1] ?? ''));
+    const expectParameters = async (expected) => {
+      await page.waitForFunction((text) => new URLSearchParams(location.hash.split('?')[1] ?? '').toString() === text, String(new URLSearchParams(expected))).catch(() => {});
+      assert.deepEqual(parameters(), expected);
+    };
+    const chosen = () => page.locator('.draw[aria-pressed="true"]').evaluateAll((buttons) => buttons.map((button) => button.dataset.draws));
+    const reopen = async (address) => {
+      await page.goto('about:blank');
+      await page.goto(address);
+      await page.locator('.draw-details').waitFor({timeout});
+    };
+    await expectParameters({frame: '2'});
+    const last = page.locator('.draw-tree > details').last();
+    await last.locator('summary').click();
+    const draw = last.locator('li .draw').first();
+    const number = await draw.getAttribute('data-draws');
+    await draw.click();
+    await expectParameters({frame: '2', draw: number});
+    const [colours, details] = [await page.locator('.frame-canvas').evaluate((canvas) => canvas.toDataURL()), await page.locator('.draw-details').innerText()];
+
+    const address = page.url();
+    await reopen(address);
+    assert.deepEqual(await chosen(), [number]);
+    assert.equal(await page.locator('.film-frame[aria-pressed="true"]').innerText(), '2');
+    assert.equal(await page.getByLabel('Frame', {exact: true}).inputValue(), '2');
+    assert.equal(await page.locator('.draw-details').innerText(), details);
+    assert.equal(await page.locator('.frame-canvas').evaluate((canvas) => canvas.toDataURL()), colours);
+    assert.equal(page.url(), address);
+
+    const all = page.getByRole('button', {name: 'all of it'});
+    if (service.fakeWorker) {
+      const group = page.locator('.draw-tree > details', {has: all}).first();
+      if (await group.getAttribute('open') === null) await group.locator('summary').click();
+      await all.first().click();
+      const material = await group.getAttribute('data-material');
+      const draws = await all.first().getAttribute('data-draws');
+      await expectParameters({frame: '2', material});
+      await reopen(page.url());
+      assert.deepEqual(await chosen(), [draws]);
+      await all.first().waitFor();
+    }
+
+    await reopen(address.replace(/frame=.*/, 'frame=9&draw=99'));
+    assert.deepEqual(await chosen(), [], 'what the capture does not have is not chosen');
+    await expectParameters({frame: '0'});
+    await page.locator('.frames-panel > summary').click();
+    await expectParameters({});
+  }],
+
+  ['draws have no violation and no sideways scrolling, wide and on a phone, light and dark', async () => {
+    const size = page.viewportSize();
+    const address = page.url();
+    for (const theme of ['dark', 'light']) {
+      for (const [name, wanted] of [['phone', {width: 375, height: 812}], ['wide', size]]) {
+        await page.evaluate((value) => localStorage.setItem('theme', value), theme);
+        await page.setViewportSize(wanted);
+        await page.goto('about:blank');
+        await page.goto(`${address}?frame=1&draw=0`);
+        await page.locator('.draw[aria-pressed="true"]').waitFor({timeout});
+        assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `wider than ${name}`);
+        assert.deepEqual(await browser.violations(), [], `${name} ${theme}`);
+        await shot(`draws-${name}-${theme}`);
+      }
+    }
+    await page.evaluate(() => localStorage.removeItem('theme'));
+    await page.goto('about:blank');
+    await page.goto(address);
+    await page.getByRole('heading', {name: 'New run'}).waitFor();
   }],
 
   ['a wrong number is named by the form before it is sent', async () => {
