@@ -93,7 +93,10 @@ const openRun = async (hash = '#/runs/1') => {
   await settled();
 };
 const inSight = async () => {
-  await page.locator('.view-stage').evaluate((stage) => stage.scrollIntoView({block: 'center'}));
+  const scroll = () => page.locator('.view-stage').evaluate((stage) => stage.scrollIntoView({block: 'center'}));
+  await scroll();
+  await settled();  // what is drawn later above it may move it
+  await scroll();
 };
 const press = async (...names) => {
   for (const name of names) await page.keyboard.press(name);

@@ -86,7 +86,7 @@ json Client::get(const std::string& path, int expected_status) {
 json Client::wait_for_end(std::int64_t run, std::chrono::seconds timeout) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   while (true) {
-    const json document = get("/api/runs/" + std::to_string(run));
+    json document = get("/api/runs/" + std::to_string(run));
     const std::string status = document.value("status", "");
     if (status != "queued" && status != "running") return document;
     if (std::chrono::steady_clock::now() > deadline) {

@@ -130,6 +130,7 @@ TEST_F(Worker, PriorityComesFirstAndSubmittersTakeTurns) {
   std::map<std::string, std::string> order;
   for (const auto& [id, name] : runs) order[client().wait_for_end(id).at("started_utc")] = name;
   std::vector<std::string> names;
+  names.reserve(order.size());
   for (const auto& [started, name] : order) names.push_back(name);
   EXPECT_EQ(names, (std::vector<std::string>{"first of 1", "high of 3", "first of 2", "second of 1", "second of 2",
                                              "third of 1", "low of 1"}));
@@ -141,6 +142,7 @@ TEST_F(Worker, SeveralRunAtATimeWhenAskedFor) {
   start(wide);
   const std::string hash = client().upload_fake({{"frames", 100}, {"result_ms", 50}});
   std::vector<std::int64_t> runs;
+  runs.reserve(4);
   for (int i = 0; i < 4; ++i) runs.push_back(client().start_run(hash));
   int most = 0;
   for (int i = 0; i < 200 && most < 3; ++i) {
