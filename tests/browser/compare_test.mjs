@@ -51,6 +51,7 @@ const ramp = (name, t) => {
 
 // Where a pixel of the image is on the page: its middle. The view says where it is by its address.
 async function place(x, y, cell = 0) {
+  await addressed();
   return page.locator('.view-canvas').evaluate((canvas, [px, py, w, h, index]) => {
     const box = canvas.getBoundingClientRect();
     const query = new URLSearchParams(location.hash.split('?')[1] ?? '');
@@ -71,7 +72,6 @@ async function place(x, y, cell = 0) {
 
 async function colourOf(x, y, cell = 0) {
   await settled();
-  await addressed();
   const at = await place(x, y, cell);
   return page.locator('.view-canvas').evaluate((canvas, point) => {
     const box = canvas.getBoundingClientRect();
