@@ -1,9 +1,16 @@
-// The 50 places where a layer has most, as thumbnails: of a map its own numbers, of an image its error.
+// The 50 places where a layer has most, as thumbnails: of a map its own numbers, of an image its error, of a difference of images the difference.
 import {announce, h, replace} from './dom.js';
 import {ask, bitmap} from './pixels.js';
 import {coloured, isMap, source, valueText} from './view_state.js';
 
 const [cut, shown] = [24, 72];  // image pixels across a thumbnail, and its CSS pixels
+
+// The difference that is shown, as an image whose reference is the other one; null of anything else.
+function differing({mode, a, b}, layers) {
+  const [of, minus] = [layers[a], layers[b]];
+  if (mode !== 'difference' || !of || !minus || isMap(of) || isMap(minus)) return null;
+  return {...of, reference: minus, label: `${of.label} minus ${minus.label}`};
+}
 
 export class WorstPlaces {
   element = h('section.worst-panel', {});
@@ -17,7 +24,7 @@ export class WorstPlaces {
   /** Lists them, of the layer that is shown or else the first that has an error; or closes the list. */
   async toggle(state, layers) {
     if (this.element.hasChildNodes()) return replace(this.element);
-    const layer = [layers[state.a], ...layers].find((candidate) => candidate && (candidate.reference || isMap(candidate)));
+    const layer = [differing(state, layers), layers[state.a], ...layers].find((candidate) => candidate && (candidate.reference || isMap(candidate)));
     if (!layer) return replace(this.element, h('p.quiet', {}, 'None of these layers has an error: there is no reference.'));
     let places;
     let picture;

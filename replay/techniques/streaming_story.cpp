@@ -77,9 +77,13 @@ json step_json(const StreamStep& step, const StreamStep& before, const Streaming
     const std::uint32_t slot = slot_at(word_before, place);
     told["kind"] = "merged";
     told["slot"] = slot;
+    const glm::vec4& compared = step.compared[slot];
+    const std::string against = why_not(step, slot, p);
     told["what"] = fmt::format(
-        "merged into surface {}, the nearest that it may merge with: cosine of normals {:.4f}, {} samples shared", slot,
-        step.compared[slot].x, step.compared[slot].w);
+        "merged into surface {}, the nearest that it may merge with: cosine of normals {:.4f}, {} samples shared, "
+        "depths {:.6g} to {:.6g} and its {:.6g} to {:.6g}{}{}",
+        slot, compared.x, compared.w, compared.y, compared.z, step.interval.x, step.interval.y,
+        against.empty() ? "" : "; against the parameters: ", against);
     return told;
   }
   if (count < p.surfaces) {

@@ -248,6 +248,7 @@ const tests = [
     const session = await browser.context.newCDPSession(page);
     const touch = (type, ...points) => session.send('Input.dispatchTouchEvent', {type, touchPoints: points.map(([x, y], id) => ({x, y, id}))});
     await inSight();
+    await awaitParameter('zoom', null);  // place() goes by the address, which follows a moment later
     const before = (await page.locator('.view-canvas').boundingBox()).width / width;
     const {x, y} = await place(60, 40);
     await touch('touchStart', [x - 40, y]);
@@ -530,6 +531,13 @@ const tests = [
     await browser.shot('state-no-run');
     assert.deepEqual(await browser.violations(), []);
     browser.forgive('404');
+  }],
+
+  ['the worst places of a difference are those of the difference', async () => {
+    await openRun('#/runs/1?layers=2:image,0:image&mode=difference');
+    await press('v');
+    await page.getByRole('heading', {name: /^Worst places of .* minus noaa/}).waitFor();
+    assert.match(await page.locator('.place').first().getAttribute('aria-label'), /x 40, y 20, 0\.1569/);
   }],
 
   ['a slow answer shows that it is awaited', async () => {

@@ -234,6 +234,8 @@ TEST(PixelStory, StreamingReplayedByTheTranscriptionIsTheFrame) {
           last = found->second;
           ++kinds[(*last)["kind"]];
           merges += (*last)["kind"] == "merged";
+          EXPECT_EQ((*last)["what"].get<std::string>().find("against the parameters"), std::string::npos)
+              << (*last)["what"];
           lost += last->value("left", 0u);
         } else if (covers != 0) {
           ++kinds["hidden"];
