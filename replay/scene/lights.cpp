@@ -80,7 +80,7 @@ std::vector<gpu_types::SpotConeConstants> cone_constants(const std::vector<captu
   std::vector<gpu_types::SpotConeConstants> result;
   for (const auto& light : lights) {
     if (!is_usable(light)) continue;
-    auto& cone = result.emplace_back(glm::vec4(0, 0, 0, 1));
+    auto& cone = result.emplace_back(gpu_types::SpotConeConstants{glm::vec4(0, 0, 0, 1)});
     if (!light.cone) continue;
     const glm::dvec3 direction = glm::normalize(direction_of(*light.cone));
     const double inner = light.cone->inner_cosine, outer = light.cone->outer_cosine;
