@@ -24,20 +24,21 @@ std::string new_id() {
   return fmt::format("{:08x}-{}", process, ++number);
 }
 
-// Takes the fields of that name out of a header and returns their values.
+// Takes the fields of that name out of a header and returns their values. A line ends where the library ends one, at
+// its LF.
 std::vector<std::string> take_fields(std::string& header, std::string_view name) {
   std::vector<std::string> values;
-  std::size_t at = header.find("\r\n");
-  while (at != std::string::npos && at + 2 < header.size()) {
-    const std::size_t begin = at + 2, end = header.find("\r\n", begin);
+  std::size_t begin = header.find('\n') + 1;  // after the request's line
+  while (begin > 0 && begin < header.size()) {
+    const std::size_t end = header.find('\n', begin);
     const std::size_t colon = begin + name.size();
     if (end == std::string::npos) break;
     if (colon < end && header[colon] == ':' && ::strncasecmp(header.data() + begin, name.data(), name.size()) == 0) {
       const std::size_t value = std::min(header.find_first_not_of(" \t", colon + 1), end);
-      values.push_back(header.substr(value, end - value));
-      header.erase(begin, end + 2 - begin);
+      values.push_back(header.substr(value, std::min(header.find('\r', value), end) - value));
+      header.erase(begin, end + 1 - begin);
     } else {
-      at = end;
+      begin = end + 1;
     }
   }
   return values;

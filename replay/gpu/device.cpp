@@ -197,7 +197,8 @@ std::vector<VulkanDevice> vulkan_devices() {
   const Instance instance(false, nullptr);
   std::vector<VulkanDevice> found;
   for (VkPhysicalDevice device : physical_devices(instance.get())) {
-    VulkanDevice& listed = found.emplace_back(device_name(device), is_lavapipe(device), missing_needs(device));
+    VulkanDevice& listed =
+        found.emplace_back(VulkanDevice{device_name(device), is_lavapipe(device), missing_needs(device), {}});
     if (listed.missing.empty() && !has_ordered_attachments(device)) listed.slower.emplace_back(kOrderedAttachments);
   }
   return found;

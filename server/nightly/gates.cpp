@@ -207,7 +207,7 @@ class CellJudge {
       // The image first: of what differs, the first is told.
       std::vector<std::pair<std::string, std::string>> before(pair.baseline->result.images.begin(),
                                                               pair.baseline->result.images.end());
-      std::ranges::stable_partition(before, [](const auto& entry) { return entry.first == "image"; });
+      std::stable_partition(before.begin(), before.end(), [](const auto& entry) { return entry.first == "image"; });
       for (const auto& [role, hash] : before) {
         const auto found = now.find(role);
         if (found == now.end()) {
