@@ -34,6 +34,8 @@ json parse_json_document(std::string_view text, const std::string& what, const s
     throw InputError(what, noun + " is no valid JSON",
                      "line " + std::to_string(std::ranges::count(before, '\n') + 1) + ", column " +
                          std::to_string(offset - line_start + 1));
+  } catch (const json::out_of_range&) {  // 1e999
+    throw InputError(what, "a number is larger than any that can be computed with", noun);
   }
 }
 

@@ -70,6 +70,21 @@ TEST_F(DoorsMutation, EveryDocumentIsTakenOrRefused) {
   }
 }
 
+TEST_F(DoorsMutation, NumbersBeyondAllBoundsAreRefused) {
+  JsonDoors doors(folder() / "json");
+  for (std::size_t door = 0; door < JsonDoors::examples().size(); ++door) {
+    std::string text = JsonDoors::examples()[door][0];
+    EXPECT_EQ(doors.take(door, text.insert(1, "\"x\":1e999,")), JsonDoors::Outcome::refused) << door;
+  }
+  HttpDoor open(folder() / "open", false);
+  const std::string body = R"({"capture":1e999})";
+  const HttpDoor::Taken taken =
+      open.take(fmt::format("POST /api/runs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+                            "Content-Length: {}\r\n\r\n{}",
+                            body.size(), body));
+  EXPECT_EQ(taken.statuses, std::vector{400}) << taken.wrong;
+}
+
 TEST_F(DoorsMutation, NoDepthOfADocumentIsTooMuch) {
   JsonDoors doors(folder() / "json");
   const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
