@@ -10,6 +10,7 @@
 
 #include "server/access.hpp"
 #include "server/capture_import.hpp"
+#include "server/capture_inspection.hpp"
 #include "server/http_server.hpp"
 #include "server/job_queue.hpp"
 #include "server/metrics.hpp"
@@ -65,6 +66,7 @@ class Api {
   void send_capture_file(const Request& request, const std::string& hash, Response& response) const;
   void send_blob(const Request& request, const std::string& hash, Response& response) const;
   void send_story(const Request& request, const std::string& hash, Response& response);
+  nlohmann::json ask_about_pixels(const std::string& hash, const Question& question);
   void send_frame_view(const Request& request, const std::string& hash, Response& response);
   void post_tags(const std::string& hash, const Request& request, Response& response);
   // api_runs.cpp

@@ -313,15 +313,15 @@ void Api::send_story(const Request& request, const std::string& hash, Response& 
                                    fmt::format("--reference-samples={}", number("reference_samples", kAny, 64))};
   if (request.has_param("width"))
     options.push_back(fmt::format("--size={}x{}", number("width", kAny, 0), number("height", kAny, 0)));
-  // A story takes a device for seconds; more at a time would only make all of them, and the runs, slower.
-  const std::unique_lock lock(story_mutex_, std::try_to_lock);
-  if (!lock)
-    throw HttpError(503, "the pixel's story is not told", "another one is being told; ask again in a moment", "");
   response.set_header("Cache-Control", "no-store");
-  response.set_content(
-      ask_program(folder_.capture(hash), {"pixel", std::move(options), "the pixel's story is not told"},
-                  options_.worker, stop_.get_token()),
-      "application/json");
+  write_json(response, 200, ask_about_pixels(hash, {"pixel", std::move(options), "the pixel's story is not told"}));
+}
+
+// A story or view takes a device for seconds; more at a time would only make all of them, and the runs, slower.
+nlohmann::json Api::ask_about_pixels(const std::string& hash, const Question& question) {
+  const std::unique_lock lock(story_mutex_, std::try_to_lock);
+  if (!lock) throw HttpError(503, question.what, "another story or view is being made; ask again in a moment", "");
+  return ask_program(folder_.capture(hash), question, options_.worker, stop_.get_token());
 }
 
 void Api::send_frame_view(const Request& request, const std::string& hash, Response& response) {
@@ -332,12 +332,7 @@ void Api::send_frame_view(const Request& request, const std::string& hash, Respo
   std::vector<std::string> options{"--draws", "--seen", fmt::format("--frame={}", frame),
                                    fmt::format("--size={}x{}", width, height)};
   const std::string what = "the frame is not shown";
-  // As a story: one at a time.
-  const std::unique_lock lock(story_mutex_, std::try_to_lock);
-  if (!lock) throw HttpError(503, what, "another one or a story is being made; ask again in a moment", "");
-  const std::string text =
-      ask_program(folder_.capture(hash), {"info", std::move(options), what}, options_.worker, stop_.get_token());
-  const nlohmann::json document = nlohmann::json::parse(text);
+  const nlohmann::json document = ask_about_pixels(hash, {"info", std::move(options), what});
   const auto view = document.find("draws_of_frame");
   if (view == document.end()) throw HttpError(500, what, "the worker's document has no draws", "");
   // The hash names the content; another version of the program may light it otherwise.

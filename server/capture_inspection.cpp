@@ -73,8 +73,8 @@ CaptureRecord inspect_capture(const std::filesystem::path& file, const WorkerOpt
   }
 }
 
-std::string ask_program(const std::filesystem::path& file, const Question& question, const WorkerOptions& worker,
-                        std::stop_token stop) {
+nlohmann::json ask_program(const std::filesystem::path& file, const Question& question, const WorkerOptions& worker,
+                           std::stop_token stop) {
   const std::string& what = question.what;
   std::vector<std::string> arguments{worker.program.string(), question.verb, file.string(), "--json"};
   arguments.insert(arguments.end(), question.options.begin(), question.options.end());
@@ -95,8 +95,11 @@ std::string ask_program(const std::filesystem::path& file, const Question& quest
     throw HttpError(500, what, message, "");
   if (!outcome.reason.empty())
     throw HttpError(422, what, message.empty() ? outcome.reason : message, file.filename().string());
-  if (!nlohmann::json::accept(output)) throw HttpError(500, what, "the worker's document is none", "");
-  return output;
+  try {
+    return parse_json_document(output, what, "the worker's answer");
+  } catch (const InputError& error) {
+    throw HttpError(500, what, error.what(), "");
+  }
 }
 
 }  // namespace subpixel::server

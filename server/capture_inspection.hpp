@@ -28,7 +28,7 @@ struct Question {
   std::vector<std::string> options;
   std::string what;
 };
-std::string ask_program(const std::filesystem::path& file, const Question& question, const WorkerOptions& worker,
-                        std::stop_token stop);
+nlohmann::json ask_program(const std::filesystem::path& file, const Question& question, const WorkerOptions& worker,
+                           std::stop_token stop);
 
 }  // namespace subpixel::server

@@ -180,6 +180,13 @@ TEST_F(Captures, FrameIsShownByAProcessOfItsOwn) {
   EXPECT_EQ(client().get("/api/health").at("status"), "ok");
 }
 
+// A document that deep ends whoever writes it by recursion.
+TEST_F(Captures, NestedViewsAreTheWorkersMistakeAndNotTheServersEnd) {
+  const std::string path = "/api/captures/" + client().upload_fake({{"frames", 1}, {"how", "view_nested"}}) + "/frame";
+  EXPECT_EQ(error_of(client().http().Get(path), 500).at("what"), "the frame is not shown");
+  EXPECT_EQ(client().get("/api/health").at("status"), "ok");
+}
+
 TEST_F(Captures, OneStoryAtATime) {
   const std::string hash = client().upload_fake({{"frames", 1}, {"story_ms", 1500}});
   const std::string path = "/api/captures/" + hash + "/pixel?technique=msaa&x=1&y=2";
