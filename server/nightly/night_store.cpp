@@ -189,11 +189,11 @@ void NightStore::finish(std::int64_t id, NightStatus status, std::string_view re
       .run();
 }
 
-void NightStore::interrupt_running() {
+void NightStore::interrupt_running(std::string_view reason) {
   const Store::WriteLease writer = store_.write();
-  writer.connection().execute(
-      "UPDATE nights SET status = 'interrupted', reason = 'the process ended before the night did' WHERE status = "
-      "'running'");
+  Statement(writer.connection(), "UPDATE nights SET status = 'interrupted', reason = ? WHERE status = 'running'")
+      .bind(reason)
+      .run();
 }
 
 void NightStore::drop_old(std::string_view name, std::uint32_t keep) {
