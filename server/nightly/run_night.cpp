@@ -354,10 +354,12 @@ std::optional<ImageDifference> Night::compare(NightFrame& tonight, const std::st
 NightRecord run_night(const NightlyConfig& config, const DataFolder& folder, Store& store,
                       const NightOptions& options) {
   try {
-    return Night(config, folder, store, options).run();
-  } catch (const DeviceError& error) {  // what the engine can't go on without
-    NightStore(store).interrupt_running(error.what());
-    throw;
+    try {
+      return Night(config, folder, store, options).run();
+    } catch (const Error& error) {  // what the engine can't go on without
+      NightStore(store).interrupt_running(error.what());
+      throw;
+    }
   } catch (const SqliteError& error) {
     throw InputError("can't store the night", error.disk_full() ? "the disk is full" : error.what(),
                      folder.store().string());

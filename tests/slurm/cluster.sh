@@ -103,7 +103,7 @@ kill_node() {
 step_daemons() {
   local pid
   for pid in $(pgrep slurmstepd); do
-    if ls -l "/proc/$pid/fd" 2>/dev/null | grep -q -- "-> $cluster/$1/log\$"; then echo "$pid"; fi
+    case "$(ls -l "/proc/$pid/fd" 2>/dev/null) " in *"-> $cluster/$1/log"[[:space:]]*) echo "$pid" ;; esac
   done
 }
 kill_tree() {
