@@ -7,6 +7,7 @@
 #include <future>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
@@ -88,6 +89,7 @@ class Replay {
         options_(job.options),
         events_(events),
         inspection_(inspection),
+        skip_(job.options.skip.begin(), job.options.skip.end()),
         planned_(plan(job.options)),
         capture_(read_frames(job, planned_)),
         device_(device_options(inspection)) {}
@@ -137,6 +139,7 @@ class Replay {
   const ReplayOptions& options_;
   const ReplayEvents& events_;
   const ReplayInspection& inspection_;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> skip_;  // a part of a divided replay skips nearly everything
   std::vector<TechniqueSetting> planned_;
   capture::Capture capture_;
   gpu::Device device_;
@@ -181,8 +184,7 @@ void Replay::make_head() {
 }
 
 bool Replay::skipped(std::uint32_t frame, std::size_t which) const {
-  return std::any_of(options_.skip.begin(), options_.skip.end(),
-                     [&](const auto& done) { return done.first == frame && done.second == which; });
+  return skip_.contains({frame, static_cast<std::uint32_t>(which)});
 }
 
 Results Replay::run() {

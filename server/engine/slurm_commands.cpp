@@ -19,8 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxOutputBytes = std::size_t{64} << 20;  // a million lines of squeue
-// sbatch waits two minutes in a full queue before it says so; its first attempt is what counts here.
-constexpr std::chrono::seconds kSubmitTime{15};
+constexpr std::chrono::seconds kSubmitTime{60};
 constexpr std::chrono::seconds kAskTime{60};
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
@@ -37,7 +36,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 std::string program_path(const std::string& name) {
   const char* const path = std::getenv("PATH");
   for (const std::string_view folder : split(path != nullptr ? path : "", ':')) {
-    const std::string candidate = fs::path(folder) / name;
+    std::string candidate = fs::path(folder) / name;
     if (!folder.empty() && ::access(candidate.c_str(), X_OK) == 0) return candidate;
   }
   return "";
@@ -67,10 +66,11 @@ std::string said(const std::string& errors) {
   return printable(joined_lines(errors), 600);
 }
 
+// sbatch itself tries again for two minutes after the first of these.
 bool means_full(std::string_view words) {
   for (const char* const sign :
        {"temporarily unable to accept", "submit limit", "Unable to create job record", "MaxSubmit", "MaxJobs",
-        "Resource temporarily unavailable", "Job array size limit", "QOSMaxSubmitJob", "AssocMaxSubmitJob"}) {
+        "Resource temporarily unavailable", "QOSMaxSubmitJob", "AssocMaxSubmitJob"}) {
     if (words.find(sign) != std::string_view::npos) return true;
   }
   return false;
@@ -138,23 +138,28 @@ SlurmCommands::SlurmCommands(std::string partition, std::vector<std::string> opt
   }
 }
 
+// With `enough` errors are among the output, and the program is ended at the first line of which that is true.
 SlurmCommands::Said SlurmCommands::run(const std::string& program, std::vector<std::string> arguments,
-                                       std::chrono::seconds longest) const {
+                                       std::chrono::seconds longest, bool (*enough)(std::string_view)) const {
   const std::string path = program_path(program);
   if (path.empty()) throw DeviceError("slurm", "there is no program " + program, "PATH");
   arguments.insert(arguments.begin(), path);
+  if (enough != nullptr) {
+    const std::vector<std::string> shell{"/bin/sh", "-c", "exec \"$@\" 2>&1", "sh"};
+    arguments.insert(arguments.begin(), shell.begin(), shell.end());
+  }
   ChildLimits limits;
   limits.silence = limits.duration = longest;
-  // Times and words as this reads them, whatever the user likes.
-  limits.environment = {"LC_ALL=C", "SLURM_TIME_FORMAT=standard", "SQUEUE_FORMAT=", "SQUEUE_SORT="};
+  // Words as this reads them, whatever the user likes.
+  limits.environment = {"LC_ALL=C", "SQUEUE_FORMAT=", "SQUEUE_SORT="};
   Said answer;
   const ChildOutcome outcome = run_child(arguments, limits, {}, [&](std::string_view line) {
     answer.output.append(line) += '\n';
-    return answer.output.size() <= kMaxOutputBytes;
+    return answer.output.size() <= kMaxOutputBytes && (enough == nullptr || !enough(line));
   });
   answer.timed_out = outcome.kind == ChildOutcome::Kind::silent || outcome.kind == ChildOutcome::Kind::too_long;
   answer.code = outcome.kind == ChildOutcome::Kind::exited ? outcome.code : -1;
-  answer.errors = outcome.error_tail;
+  answer.errors = enough != nullptr ? answer.output : outcome.error_tail;
   if (answer.code != 0 && answer.errors.empty()) answer.errors = outcome.reason;
   return answer;
 }
@@ -218,12 +223,12 @@ std::optional<std::uint64_t> SlurmCommands::submit(const Submission& submission,
   }
   arguments.insert(arguments.end(), options_.begin(), options_.end());
   arguments.push_back(submission.script.string());
-  const Said answer = run("sbatch", arguments, kSubmitTime);
+  const Said answer = run("sbatch", arguments, kSubmitTime, means_full);
   if (answer.code == 0) {
-    const std::string line = answer.output.substr(0, answer.output.find_first_of(";\n"));
-    const auto number = parse_number<std::uint64_t>(line);
-    if (!number) throw DeviceError("slurm", "sbatch said no job number: " + plain(answer.output), "sbatch");
-    return number;
+    for (const std::string_view line : split(answer.output, '\n')) {
+      if (const auto number = parse_number<std::uint64_t>(line.substr(0, line.find(';')))) return number;
+    }
+    throw DeviceError("slurm", "sbatch said no job number: " + plain(answer.output), "sbatch");
   }
   if (answer.timed_out || means_full(answer.errors)) {
     // It may have got through at the last moment.

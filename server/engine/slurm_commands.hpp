@@ -16,7 +16,7 @@ namespace subpixel::server {
 struct ArrayTask {
   std::uint64_t array = 0;
   std::uint32_t index = 0;
-  auto operator<=>(const ArrayTask&) const = default;
+  auto operator<=>(const ArrayTask&) const = default;  // NOLINT(modernize-use-nullptr): there is none
 };
 std::optional<ArrayTask> array_task_from_text(std::string_view text);
 
@@ -77,7 +77,8 @@ class SlurmCommands {
     std::string output, errors;
     bool timed_out = false;
   };
-  Said run(const std::string& program, std::vector<std::string> arguments, std::chrono::seconds longest) const;
+  Said run(const std::string& program, std::vector<std::string> arguments, std::chrono::seconds longest,
+           bool (*enough)(std::string_view line) = nullptr) const;
   Said ask(const std::string& program, const std::vector<std::string>& arguments) const;
 
   std::string partition_;

@@ -154,6 +154,8 @@ void Replaying::watch_for_standstill(const std::map<ArrayTask, TaskState>& queue
     reasons.insert(task.second.reason);
     if (task.second.reason != "Dependency" && kTakesTime.contains(task.second.reason)) could = true;
   }
+  // What waits for others waits for as long as they do, and a moment more.
+  if (reasons == std::set<std::string>{"Dependency"}) could = true;
   if (!moves && could) could = !slurm_.usable_nodes().empty();
   if (moves || could) {
     still_since_.reset();
