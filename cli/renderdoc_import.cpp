@@ -18,6 +18,7 @@
 
 #include "base/error.hpp"
 #include "base/json_document.hpp"
+#include "base/python_interpreter.hpp"
 #include "capture_format/reading/reader.hpp"
 #include "python/embedded.hpp"
 
@@ -169,8 +170,7 @@ capture::Capture import_renderdoc(const std::string& in, const RenderDocOptions&
   const Scratch made(scratch);
   const std::filesystem::path package = made.folder() / "package", exported = made.folder() / "exported.spcap";
   unpack(package);
-  const char* const python = std::getenv("SUBPIXEL_PYTHON");
-  std::vector<std::string> arguments{python != nullptr ? python : "/usr/bin/python3", "-m", "subpixel_renderdoc"};
+  std::vector<std::string> arguments{python_interpreter(), "-m", "subpixel_renderdoc"};
   arguments.emplace_back("--json");
   arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
   arguments.emplace_back("--");
