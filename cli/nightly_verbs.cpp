@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "base/json_text.hpp"
 #include "base/printable.hpp"
+#include "cli/engine_options.hpp"
 #include "server/nightly/config.hpp"
 #include "server/nightly/night_store.hpp"
 #include "server/nightly/run_night.hpp"
@@ -32,6 +33,7 @@ constexpr const char* kDefaultData = "subpixel-data";
 struct NightlyArguments {
   std::string config, data, baseline, junit, markdown, json_file, worker;
   std::uint32_t silence_s = 600;
+  std::shared_ptr<EngineFlags> engine;
 };
 
 void write_text(const std::string& path, const std::string& text) {
@@ -54,6 +56,9 @@ int nightly(const NightlyArguments& arguments) {
                                             : std::filesystem::absolute(arguments.worker);
   options.limits.silence = std::chrono::seconds(arguments.silence_s);
   options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", printable(line)); };
+  const std::unique_ptr<server::ReplayEngine> engine =
+      make_engine(*arguments.engine, {options.worker, options.limits}, folder.root(), folder.cache());
+  options.engine = engine.get();
   const NightRecord night = server::run_night(config, folder, store, options);
 
   write_text(arguments.junit, to_junit(night));
@@ -145,6 +150,7 @@ void add_nightly(CLI::App& app, std::function<int()>& action) {
   verb->add_option("--worker-program", arguments->worker,
                    "Program run as `PROGRAM worker --job FILE`; default: this one")
       ->check(CLI::ExistingFile);
+  arguments->engine = add_engine_options(*verb);
   verb->callback([arguments, &action] { action = [arguments] { return nightly(*arguments); }; });
 }
 
