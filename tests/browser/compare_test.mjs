@@ -382,6 +382,39 @@ const tests = [
     assert.match(readFileSync(file, 'utf8'), /^<svg[^>]*xmlns=.*msaa samples=4/s);
   }],
 
+  ['labels of points never overlap, however close the points are', async () => {
+    const overlaps = (selector) => page.evaluate((where) => {
+      const boxes = [...document.querySelectorAll(`${where} .point text`)].map((text) => [text.textContent, text.getBoundingClientRect()]);
+      const pairs = [];
+      boxes.forEach(([a, p], i) => boxes.slice(i + 1).forEach(([b, q]) => {
+        if (p.left < q.right && q.left < p.right && p.top < q.bottom && q.top < p.bottom) pairs.push(`${a} over ${b}: ${[p, q].map(({left, right, top, bottom}) => [left, right, top, bottom].map((v) => v.toFixed(1)).join(' ')).join(' and ')}`);
+      }));
+      return {labels: boxes.length, pairs};
+    }, selector);
+    const own = await overlaps('.plot');
+    assert.deepEqual(own, {labels: 4, pairs: []});
+    // Rows all over the plot, in a heap in its corner, and all in one point.
+    for (const [number, spread, wanted] of [[40, 1, 30], [24, 0.02, 20], [40, 0, 30], [400, 0.3, 30]]) {
+      const drawn = await page.evaluate(async ([count, width]) => {
+        const {scatterSvg} = await import('/scatter.js');
+        const rows = Array.from({length: count}, (_, i) => ({technique: 'streaming', family: i, run: 1, select: `${i}`, label: `streaming samples=${8 + i} surfaces=${i % 4 + 1}`,
+          summary: {total: 100 + width * (i * 37 % 101), mse: 1 + width * (i * 53 % 97)}}));
+        const draw = () => scatterSvg(rows, {x: 'total', y: 'mse', logX: false, logY: false, baseline: null}, null);
+        document.querySelector('.crowd')?.remove();
+        const crowd = document.createElement('div');
+        crowd.className = 'crowd';
+        crowd.append(draw());
+        document.body.append(crowd);
+        return crowd.innerHTML === Object.assign(document.createElement('div'), {innerHTML: draw().outerHTML}).innerHTML;
+      }, [number, spread]);
+      assert.ok(drawn, 'the same rows are drawn the same');
+      const {labels: shown, pairs} = await overlaps('.crowd');
+      assert.deepEqual(pairs, []);
+      assert.ok(shown >= wanted, `${shown} of ${number} labels in a spread of ${spread} found a place`);
+    }
+    await page.evaluate(() => document.querySelector('.crowd').remove());
+  }],
+
   ['over frames: lines, a click chooses the frame, playback', async () => {
     await page.locator('.lines canvas').waitFor();
     await page.getByLabel('Measure over frames').selectOption('flicker');
