@@ -251,6 +251,7 @@ const tests = [
     await awaitParameter('zoom', null);  // place() goes by the address, which follows a moment later
     const before = (await page.locator('.view-canvas').boundingBox()).width / width;
     const {x, y} = await place(60, 40);
+    await page.evaluate(() => document.addEventListener('pixelchosen', () => (window.chosenByFingers = true)));
     await touch('touchStart', [x - 40, y]);
     await touch('touchStart', [x - 40, y], [x + 40, y]);
     for (let apart = 50; apart <= 160; apart += 10) await touch('touchMove', [x - apart, y], [x + apart, y]);
@@ -263,6 +264,7 @@ const tests = [
     for (let by = 8; by <= 64; by += 8) await touch('touchMove', [x - 160 + by, y], [x + 160 + by, y]);
     await touch('touchEnd');
     await expectNear('x', centre - 64 / zoom, 0.1);
+    assert.equal(await page.evaluate(() => window.chosenByFingers), undefined, 'two fingers choose no pixel');
     await session.detach();
     await press('0');
   }],
