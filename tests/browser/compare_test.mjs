@@ -191,6 +191,14 @@ const tests = [
     await press('0', 'w');
   }],
 
+  ['layers whose results come late are compared all the same', async () => {
+    const rest = service.delay(2);  // rows 0 and 1 of the first frame
+    await openRun('#/runs/1?row=3&layers=*:image,*:reference,1:image');
+    await page.waitForFunction(() => document.querySelector('.view')?.dataset.keys?.includes('1:image'));
+    rest();
+    await expectKeys('*:image *:reference');
+  }],
+
   ['difference with gain and sign, by channel and by FLIP', async () => {
     await page.getByLabel('Left', {exact: true}).selectOption('0');
     await page.getByLabel('Right', {exact: true}).selectOption('1');
@@ -276,6 +284,13 @@ const tests = [
     await page.mouse.click(at.x, at.y);
     const {x, y, layer} = await page.evaluate(() => window.chosen);
     assert.deepEqual([x, y, layer.key], [60, 30, '*:image']);
+    // By a key: under the pointer.
+    const there = await place(100, 60);
+    await page.mouse.move(there.x, there.y);
+    await page.locator('.view-canvas').focus();
+    await page.keyboard.press('Enter');
+    assert.deepEqual(await page.evaluate(() => [window.chosen.x, window.chosen.y]), [100, 60]);
+    await page.locator('.pixel-story').getByRole('button', {name: 'Close'}).click();
   }],
 
   ['a box says its error, its share and its lighting executions', async () => {
@@ -500,20 +515,31 @@ const tests = [
     await page.locator('[data-sort="flip"]').click();
     await page.getByLabel('group').selectOption('technique');
     await page.locator('h1').click();
+    await inSight();
+    const at = await place(60, 30);
+    await page.mouse.click(at.x, at.y);  // of frame 0 and the first technique, whatever is chosen later
+    await page.locator('h1').click();
     await press(']', ']', 'd', 'g', 'z', 'z', 'x', 'a', 'k');
     await settled();
     await addressed();
     const address = page.url();
     const state = () => page.evaluate(() => ({table: document.querySelector('.results').innerText, keys: document.querySelector('.view').dataset.keys, scale: document.querySelector('.scale').innerText,
-      frame: document.querySelector('.frame-number').innerText, box: document.querySelector('.box-panel h3')?.innerText, label: document.querySelector('.view-label').innerText}));
+      frame: document.querySelector('.frame-number').innerText, story: document.querySelector('.pixel-story h2')?.innerText, box: document.querySelector('.box-panel h3')?.innerText, label: document.querySelector('.view-label').innerText}));
     await page.locator('.box-panel h3').waitFor();
     const before = await state();
-    assert.ok(before.box && before.label.includes('×8') && before.frame === '2', JSON.stringify(before));
+    assert.ok(before.box && before.label.includes('×8') && before.frame === '2' && before.story === 'Pixel 60, 30 of frame 0', JSON.stringify(before));
     await open(address.slice(service.url.length + 1));
     await page.locator('.box-panel h3').waitFor();
     await settled();
     await page.waitForFunction((table) => document.querySelector('.results').innerText === table, before.table);
     assert.deepEqual(await state(), before);
+    assert.match(service.requests.findLast((path) => path.endsWith('/pixel')) ?? '', /pixel/);
+    // Closed, it is gone from the address as well.
+    await page.locator('.pixel-story').getByRole('button', {name: 'Close'}).click();
+    await awaitParameter('pixel', null);
+    await open(`${page.url().slice(service.url.length + 1)}&pixel=1,2,99,0`);
+    await settled();
+    assert.equal(await page.locator('.pixel-story').isVisible(), false, 'of a technique that the run does not have');
   }],
 
   ['one click writes a page by itself, without network', async () => {
