@@ -15,6 +15,7 @@
 #include "base/failure.hpp"
 #include "base/json_text.hpp"
 #include "base/printable.hpp"
+#include "cli/engine_options.hpp"
 #include "cli/nightly_trend_verbs.hpp"
 #include "server/nightly/config.hpp"
 #include "server/nightly/night_store.hpp"
@@ -36,6 +37,7 @@ constexpr const char* kDefaultData = "subpixel-data";
 struct NightlyArguments {
   std::string config, data, baseline, junit, markdown, json_file, worker, commit, comment, address, sarif;
   std::uint32_t silence_s = 600;
+  std::shared_ptr<EngineFlags> engine;
 };
 
 void write_text(const std::string& path, const std::string& text) {
@@ -82,6 +84,9 @@ int nightly(const NightlyArguments& arguments) {
     throw UsageError("--commit", "expected at most 100 printable bytes", printable(options.commit, 100));
   options.limits.silence = std::chrono::seconds(arguments.silence_s);
   options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", printable(line)); };
+  const std::unique_ptr<server::ReplayEngine> engine =
+      make_engine(*arguments.engine, {options.worker, options.limits}, folder.root(), folder.cache());
+  options.engine = engine.get();
   take_watched(config, folder, store, options);
   NightRecord night;
   try {
@@ -192,6 +197,7 @@ void add_nightly(CLI::App& app, std::function<int()>& action) {
   verb->add_option("--worker-program", arguments->worker,
                    "Program run as `PROGRAM worker --job FILE`; default: this one")
       ->check(CLI::ExistingFile);
+  arguments->engine = add_engine_options(*verb);
   add_trend_verbs(*verb, action);
   verb->callback([arguments, verb, &action] {
     if (verb->get_subcommands().empty()) action = [arguments] { return nightly(*arguments); };

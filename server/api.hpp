@@ -41,7 +41,7 @@ class Api {
   using Response = httplib::Response;
 
   // api.cpp
-  void route_web(HttpServer& http);
+  void dispatch(const Request& request, Response& response) const;
   // What is refused before the body, whoever would answer.
   void admit(const Request& request);
   void check_request(const Request& request) const;

@@ -86,9 +86,9 @@ void Api::route_nights(Routes& routes) {
               .id = "get_night",
               .meaning = "One night with its cells",
               .answers = {{200, "NightWithCells"}, {404, ""}}},
-             [this](const Request& request, Response& response) {
+             [this](const Request&, Response& response) {
                response.set_header("Cache-Control", "no-store");
-               write_json(response, 200, to_json(find_night(request.matches[1])));
+               write_json(response, 200, to_json(find_night(path_part(0))));
              });
   route_trends(routes);
   for (const bool markdown : {true, false}) {
@@ -97,8 +97,8 @@ void Api::route_nights(Routes& routes) {
                 .id = markdown ? "get_night_markdown" : "get_night_junit",
                 .meaning = markdown ? "Its summary" : "Its summary as JUnit XML",
                 .answers = {{200, markdown ? "text/markdown" : "application/xml"}, {404, ""}}},
-               [this, markdown](const Request& request, Response& response) {
-                 send_summary(find_night(request.matches[1]), markdown, response);
+               [this, markdown](const Request&, Response& response) {
+                 send_summary(find_night(path_part(0)), markdown, response);
                });
   }
   routes.add({.method = "GET",
@@ -106,8 +106,8 @@ void Api::route_nights(Routes& routes) {
               .id = "get_cell",
               .meaning = "A cell with its frames beside the baseline's",
               .answers = {{200, "Cell"}, {404, ""}}},
-             [this](const Request& request, Response& response) {
-               send_cell(find_night(request.matches[1]), parse_id(request.matches[2]), response);
+             [this](const Request&, Response& response) {
+               send_cell(find_night(path_part(0)), parse_id(path_part(1)), response);
              });
   routes.add({.method = "GET",
               .path = "/api/baselines",

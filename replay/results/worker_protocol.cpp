@@ -27,6 +27,7 @@ json options_to_json(const ReplayOptions& options) {
               {"reference_samples", options.reference_samples},
               {"point_lights", nullptr},
               {"skip", skip}};
+  if (options.references_only) out["references_only"] = true;
   if (options.frames) out["frames"] = json::array({options.frames->first, options.frames->second});
   if (options.point_lights) out["point_lights"] = *options.point_lights;
   if (options.rounds > 0) out["rounds"] = options.rounds;
@@ -71,6 +72,11 @@ ReplayOptions options_from_field(const JsonField& field) {
   if (field.has("skip")) {
     const JsonField skip = field.member("skip");
     for (std::size_t i = 0; i < skip.array_size(); ++i) options.skip.push_back(pair_from(skip.element(i)));
+  }
+  if (field.has("references_only")) {
+    const JsonField only = field.member("references_only");
+    if (!only.raw().is_boolean()) only.fail("expected true or false");
+    options.references_only = only.raw().get<bool>();
   }
   return options;
 }

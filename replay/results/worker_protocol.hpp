@@ -35,6 +35,8 @@ struct ReplayOptions {
   std::uint32_t rounds = 0;
   // Frame x technique results to leave out because they are stored already: "frame/index in `techniques`".
   std::vector<std::pair<std::uint32_t, std::uint32_t>> skip;
+  // No technique is replayed: the references of what is asked for come into the cache, and no result comes out.
+  bool references_only = false;
 };
 
 // The frames, both included, that are asked for of a capture with `frame_count` of them: all where none are named,

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "base/json_fields.hpp"
+#include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "server/nightly/trends.hpp"
 
@@ -17,6 +17,7 @@ using nlohmann::json;
 
 constexpr std::size_t kListed = 40;  // what changed, by name
 constexpr std::size_t kNameBytes = 120;
+constexpr std::size_t kMaxDifferenceBytes = std::size_t{256} << 20;
 
 struct Pair {
   NightCell* today;
@@ -187,6 +188,26 @@ std::string markdown_of(const std::string& capture, const json& summary, const s
 
 std::string yesterday_name(std::string_view capture) {
   return std::string(capture) + ", yesterday";
+}
+
+json difference_in_worker(const std::filesystem::path& yesterday, const std::filesystem::path& today,
+                          const std::filesystem::path& worker, const ChildLimits& limits) {
+  ChildLimits own = limits;
+  own.confinement.emplace();
+  own.confinement->readable = {yesterday.string(), today.string()};
+  std::string text;
+  const ChildOutcome outcome = run_child({worker.string(), "diff", yesterday.string(), today.string(), "--json"}, own,
+                                         {}, [&](std::string_view line) {
+                                           text += line;
+                                           text += '\n';
+                                           return text.size() < kMaxDifferenceBytes;
+                                         });
+  const bool said = outcome.kind == ChildOutcome::Kind::exited && (outcome.code == 0 || outcome.code == 1);
+  if (!said) {
+    throw InputError("difference of two captures", outcome.reason.empty() ? "it is too large" : outcome.reason,
+                     printable(outcome.error_tail, 300));
+  }
+  return parse_json_document(text, "difference of two captures", "what the worker said");
 }
 
 json against_summary(const json& difference, const std::string& yesterday, const std::string& today) {

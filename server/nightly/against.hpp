@@ -3,10 +3,12 @@
 // says; what was measured is compared cell by cell.
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
+#include "process/child_process.hpp"
 #include "server/nightly/config.hpp"
 #include "server/nightly/night.hpp"
 
@@ -21,6 +23,11 @@ std::string yesterday_name(std::string_view capture);
 // `today` and `yesterday` are the captures' hashes. Throws InputError when `difference` is not of that form.
 nlohmann::json against_summary(const nlohmann::json& difference, const std::string& yesterday,
                                const std::string& today);
+
+// What `worker diff YESTERDAY TODAY --json` says of two captures, which are anybody's: in a confined process of its
+// own. Throws InputError when it can't say anything.
+nlohmann::json difference_in_worker(const std::filesystem::path& yesterday, const std::filesystem::path& today,
+                                    const std::filesystem::path& worker, const ChildLimits& limits);
 
 // Adds the gates "against ..." to the cells of every capture that night.facts["against"] has a summary of: draws,
 // triangles and materials to the first, memory, executions and error to each, and to the summary what was measured of

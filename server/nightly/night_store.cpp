@@ -88,6 +88,23 @@ void insert_image(const Connection& connection, std::int64_t frame, const std::s
       .run();
 }
 
+// Returns the blobs outside that then nothing names.
+std::vector<std::string> drop_rows(const Connection& connection, std::string_view name, std::uint32_t keep) {
+  Transaction transaction(connection);
+  Statement(connection,
+            "WITH kept AS (SELECT id, baseline_night FROM nights WHERE name = ?1 ORDER BY id DESC LIMIT ?2) "
+            "DELETE FROM nights WHERE name = ?1 AND id NOT IN (SELECT id FROM kept) "
+            "AND id NOT IN (SELECT night FROM baselines) "
+            "AND id NOT IN (SELECT baseline_night FROM kept WHERE baseline_night IS NOT NULL)")
+      .bind(name)
+      .bind(std::int64_t{keep})
+      .run();
+  std::vector<std::string> outside;
+  if (connection.changes() > 0) outside = delete_unnamed_blobs(connection);
+  transaction.commit();
+  return outside;
+}
+
 }  // namespace
 
 std::int64_t NightStore::add(const NightRecord& night) {
@@ -148,7 +165,7 @@ NightFrame NightStore::add_frame(std::int64_t cell, const replay::FrameResult& r
   NightFrame frame;
   frame.result = result;
   frame.result.images.clear();
-  for (const auto& [role, blob] : images) frame.result.images[role] = store_blob(writer.connection(), blob);
+  for (const auto& [role, blob] : images) frame.result.images[role] = store_.store_blob(writer.connection(), blob);
   const std::string document = replay::to_json(frame.result).dump();
   Statement(writer.connection(), "INSERT INTO night_frames (cell, frame, document) VALUES (?, ?, ?)")
       .bind(cell)
@@ -164,7 +181,7 @@ NightFrame NightStore::add_frame(std::int64_t cell, const replay::FrameResult& r
 std::string NightStore::add_difference(std::int64_t frame, const Blob& image) {
   const Store::WriteLease writer = store_.write();
   Transaction transaction(writer.connection());
-  std::string hash = store_blob(writer.connection(), image);
+  std::string hash = store_.store_blob(writer.connection(), image);
   insert_image(writer.connection(), frame, "difference", hash);
   transaction.commit();
   return hash;
@@ -199,26 +216,20 @@ void NightStore::finish(std::int64_t id, NightStatus status, std::string_view re
       .run();
 }
 
-void NightStore::interrupt_running() {
+void NightStore::interrupt_running(std::string_view reason) {
   const Store::WriteLease writer = store_.write();
-  writer.connection().execute(
-      "UPDATE nights SET status = 'interrupted', reason = 'the process ended before the night did' WHERE status = "
-      "'running'");
+  Statement(writer.connection(), "UPDATE nights SET status = 'interrupted', reason = ? WHERE status = 'running'")
+      .bind(reason)
+      .run();
 }
 
 void NightStore::drop_old(std::string_view name, std::uint32_t keep) {
-  const Store::WriteLease writer = store_.write();
-  Transaction transaction(writer.connection());
-  Statement(writer.connection(),
-            "WITH kept AS (SELECT id, baseline_night FROM nights WHERE name = ?1 ORDER BY id DESC LIMIT ?2) "
-            "DELETE FROM nights WHERE name = ?1 AND id NOT IN (SELECT id FROM kept) "
-            "AND id NOT IN (SELECT night FROM baselines) "
-            "AND id NOT IN (SELECT baseline_night FROM kept WHERE baseline_night IS NOT NULL)")
-      .bind(name)
-      .bind(std::int64_t{keep})
-      .run();
-  if (writer.connection().changes() > 0) delete_unnamed_blobs(writer.connection());
-  transaction.commit();
+  std::vector<std::string> outside;
+  {
+    const Store::WriteLease writer = store_.write();
+    outside = drop_rows(writer.connection(), name, keep);
+  }
+  store_.remove_outside(outside);
 }
 
 std::optional<NightRecord> NightStore::night(std::int64_t id, bool with_frames) const {

@@ -42,7 +42,7 @@ class NightStore {
   void set_facts(std::int64_t night, const nlohmann::json& facts);
   void finish(std::int64_t id, NightStatus status, std::string_view reason);
   // Nights that a process left running.
-  void interrupt_running();
+  void interrupt_running(std::string_view reason = "the process ended before the night did");
   // Deletes all but the newest `keep` nights of a name, baselines, and what kept nights were compared with.
   void drop_old(std::string_view name, std::uint32_t keep);
   // With captures and cells; frames only when asked for.

@@ -7,13 +7,10 @@
 #include <cstdlib>
 #include <set>
 
-#include "base/atomic_file.hpp"
 #include "base/build_commit.hpp"
 #include "base/error.hpp"
 #include "base/failure.hpp"
 #include "base/hash.hpp"
-#include "base/json_document.hpp"
-#include "base/printable.hpp"
 #include "capture_format/writer.hpp"
 #include "replay/measure/image_file.hpp"
 #include "replay/measure/maps.hpp"
@@ -22,7 +19,6 @@
 #include "server/nightly/gates.hpp"
 #include "server/nightly/night_store.hpp"
 #include "server/nightly/time_test.hpp"
-#include "server/store/worker_files.hpp"
 
 namespace subpixel::server {
 namespace {
@@ -35,90 +31,6 @@ struct Planned {
   std::filesystem::path path;
   replay::ReplayOptions options;
 };
-
-// What one worker process had to say.
-struct Replayed {
-  std::optional<replay::ResultsHead> head;
-  std::string problem;  // why it is not complete; empty when it is
-};
-
-std::string last_line(std::string_view text) {
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.remove_suffix(1);
-  const std::size_t line = text.rfind('\n');
-  return printable(line == std::string_view::npos ? text : text.substr(line + 1), 500);
-}
-
-// Replays `job` in a process of its own; `on_result` gets each result while its image files are there, with the place
-// of its technique in the job's list.
-Replayed replay_in_worker(const replay::ReplayJob& job, const std::filesystem::path& job_file,
-                          const NightOptions& options,
-                          const std::function<void(std::uint32_t, const replay::FrameResult&)>& on_result) {
-  write_file_atomically(job_file, std::string_view(replay::to_json(job).dump()));
-  Replayed replayed;
-  std::string error;
-  bool done = false;
-  const auto take = [&](std::string_view line) {
-    try {
-      const json document = parse_json_document(line, "worker message", "the line");
-      const JsonField message(document, "worker message");
-      const std::string type = message.member("type").text();
-      if (type == "head") replayed.head = replay::results_head_from_json(message.member("head").raw());
-      if (type == "result") {
-        const std::uint32_t ordinal = message.member("ordinal").u32();
-        const replay::FrameResult result = replay::frame_result_from_json(message.member("result").raw());
-        if (ordinal >= job.options.techniques.size() || job.options.techniques[ordinal].technique != result.technique)
-          throw InputError("worker result", "it is not of this night", printable(result.technique, 60));
-        on_result(ordinal, result);
-      }
-      if (type == "error") error = printable(message.member("message").text(), 1000);
-      if (type == "done") done = true;
-      return true;
-    } catch (const json::exception& failure) {
-      error = printable(failure.what(), 300);
-    } catch (const Error& failure) {
-      error = printable(failure.what(), 300);
-    }
-    return false;
-  };
-  std::filesystem::create_directories(job.out_dir);  // what is not there can't be allowed
-  ChildLimits limits = options.limits;
-  limits.confinement.emplace();
-  limits.confinement->readable = {job.capture.string(), job_file.string()};
-  limits.confinement->writable = {job.out_dir.string(), job.cache_dir.string()};
-  limits.counts_instructions = true;
-  limits.environment.push_back("MESA_SHADER_CACHE_DIR=" + (job.cache_dir / "mesa").string());
-  const ChildOutcome outcome =
-      run_child({options.worker.string(), "worker", "--job", job_file.string()}, limits, {}, take);
-  if (!error.empty()) {
-    replayed.problem = error;
-  } else if (!outcome.reason.empty()) {
-    replayed.problem = outcome.reason;
-    const std::string words = last_line(outcome.error_tail);
-    if (!words.empty()) replayed.problem += "; its last words: " + words;
-  } else if (!done) {
-    replayed.problem = "the worker process ended without saying that it was done";
-  }
-  return replayed;
-}
-
-constexpr std::size_t kMaxDifferenceBytes = std::size_t{256} << 20;
-
-// What `subpixel diff` says of two captures, which are anybody's: in a process of its own.
-json diff_in_worker(const std::filesystem::path& a, const std::filesystem::path& b, const NightOptions& options) {
-  ChildLimits limits = options.limits;
-  limits.confinement.emplace();
-  limits.confinement->readable = {a.string(), b.string()};
-  std::string text;
-  const ChildOutcome outcome = run_child({options.worker.string(), "diff", a.string(), b.string(), "--json"}, limits,
-                                         {}, [&](std::string_view line) {
-                                           text += line;
-                                           text += '\n';
-                                           return text.size() < kMaxDifferenceBytes;
-                                         });
-  const bool said = outcome.kind == ChildOutcome::Kind::exited && (outcome.code == 0 || outcome.code == 1);
-  if (!said) throw InputError("difference of two captures", last_line(outcome.error_tail), outcome.reason);
-  return parse_json_document(text, "difference of two captures", "what the worker said");
-}
 
 constexpr std::uint32_t kNoiseRounds = 9;
 // Rounds of one worker process: where a process has its memory is part of the noise, so there are several.
@@ -159,7 +71,13 @@ void add_round(NightCell& cell, const std::vector<NightCell>& round, Measure mea
 class Night {
  public:
   Night(const NightlyConfig& config, const DataFolder& folder, Store& store, const NightOptions& options)
-      : config_(config), folder_(folder), store_(store), nights_(store), options_(options) {}
+      : config_(config),
+        folder_(folder),
+        store_(store),
+        nights_(store),
+        options_(options),
+        here_({options.worker, options.limits}, folder.night()),
+        engine_(options.engine != nullptr ? *options.engine : here_) {}
 
   NightRecord run();
 
@@ -173,10 +91,10 @@ class Night {
   void compare_days();
   void compare_frames(NightCell& today, const NightCell& yesterday);
   void add_planned(Planned planned);
-  void replay_capture(std::size_t index);
-  replay::ReplayJob job_for(const Planned& planned) const {
-    return {planned.path, folder_.night() / "out", folder_.cache(), planned.options};
-  }
+  void replay_all();
+  void store_capture(std::size_t index, ReplayEnd end);
+  ReplayRequest request_for(const Planned& planned) const;
+  std::map<std::string, double> last_seconds(const std::string& capture) const;
   void judge_all();
   void measure_noise();
   void measure_times();
@@ -193,7 +111,17 @@ class Night {
   Store& store_;
   NightStore nights_;
   const NightOptions& options_;
+  LocalEngine here_;
+  ReplayEngine& engine_;
   std::vector<Planned> planned_;
+  // A frame whose capture is still replayed: until that is through nothing of it is stored.
+  struct Waiting {
+    std::uint32_t ordinal;
+    replay::FrameResult result;
+    std::map<std::string, Blob> images;
+  };
+  std::vector<Waiting> waiting_;
+  std::optional<NightRecord> last_;  // the last night of the name, for what took how long
   NightRecord night_;
   std::optional<NightRecord> baseline_;
   EarlierRounds earlier_;
@@ -215,10 +143,11 @@ NightRecord Night::run() {
     baseline_ = nights_.night(baseline.night, true);
   }
   if (baseline_) earlier_ = earlier_rounds(*baseline_, nights_.nights(kNightsBefore, 0, config_.name));
+  for (NightRecord& night : nights_.nights(1, 0, config_.name)) last_ = std::move(night);
   night_.id = nights_.add(night_);
   plan();
   if (config_.gates.time) measure_noise();
-  for (std::size_t i = 0; i < planned_.size(); ++i) replay_capture(i);
+  replay_all();
   compare_days();
   judge_all();
   measure_times();
@@ -318,8 +247,8 @@ void Night::compare_days() {
     const auto today = of_name(name), yesterday = of_name(yesterday_name(name));
     say(fmt::format("{}: today's draws against yesterday's", name));
     try {
-      summary = against_summary(diff_in_worker(yesterday->path, today->path, options_), yesterday->capture.hash,
-                                today->capture.hash);
+      summary = against_summary(difference_in_worker(yesterday->path, today->path, options_.worker, options_.limits),
+                                yesterday->capture.hash, today->capture.hash);
     } catch (const Error& error) {
       summary["problem"] = error.what();
       continue;
@@ -352,9 +281,71 @@ void Night::add_planned(Planned planned) {
   planned_.push_back(std::move(planned));
 }
 
-void Night::replay_capture(std::size_t index) {
-  Planned& planned = planned_[index];
+ReplayRequest Night::request_for(const Planned& planned) const {
+  ReplayRequest request;
+  request.name = planned.capture.name;
+  request.capture_hash = planned.capture.hash;
+  request.job = {planned.path, folder_.night() / "out", folder_.cache(), planned.options};
+  const std::map<std::string, double> last = last_seconds(planned.capture.name);
+  for (const replay::TechniqueRequest& technique : planned.options.techniques) {
+    const auto found = last.find(technique_key(technique.technique, technique.parameters));
+    if (found == last.end()) return request;  // one that is new: nothing is known of the whole
+    request.technique_seconds.push_back(found->second);
+  }
+  return request;
+}
+
+// What each technique took of the last night's replay of a capture, warm and cold runs, measuring and all: the wall
+// time that is no pass's is shared out evenly.
+std::map<std::string, double> Night::last_seconds(const std::string& capture) const {
+  std::map<std::string, double> seconds;
+  if (!last_) return seconds;
+  for (std::uint32_t i = 0; i < last_->captures.size(); ++i) {
+    const NightCapture& measured = last_->captures[i];
+    if (measured.name != capture || !measured.head) continue;
+    double sum = 0;
+    for (const NightCell& cell : last_->cells) {
+      if (cell.capture == i) sum += seconds[cell.technique] = cell.time.own.ms * 1e-3 * measured.head->repeat;
+    }
+    const double rest =
+        std::max(0.0, measured.head->wall_s - sum) / static_cast<double>(std::max<std::size_t>(seconds.size(), 1));
+    for (auto& each : seconds) each.second += rest;
+  }
+  return seconds;
+}
+
+void Night::replay_all() {
+  std::vector<ReplayRequest> requests;
+  std::vector<std::size_t> indices;  // of the requests' captures
+  for (std::size_t i = 0; i < planned_.size(); ++i) {
+    if (!planned_[i].capture.problem.empty()) continue;
+    requests.push_back(request_for(planned_[i]));
+    indices.push_back(i);
+  }
+  std::size_t next = 0;
+  const auto store_without_replay = [&](std::size_t until) {
+    for (; next < until; ++next) store_capture(next, {std::nullopt, planned_[next].capture.problem});
+  };
+  ReplaySink sink;
+  sink.progress = options_.progress;
+  sink.result = [&](std::size_t, std::uint32_t ordinal, replay::FrameResult result,
+                    std::map<std::string, Blob> images) {
+    waiting_.push_back({ordinal, std::move(result), std::move(images)});
+  };
+  sink.end = [&](std::size_t request, ReplayEnd end) {
+    store_without_replay(indices[request]);
+    store_capture(next++, std::move(end));
+  };
+  engine_.replay(requests, sink);
+  store_without_replay(planned_.size());
+}
+
+void Night::store_capture(std::size_t index, ReplayEnd end) {
+  const Planned& planned = planned_[index];
   NightCapture capture = planned.capture;
+  capture.head = std::move(end.head);
+  capture.problem = std::move(end.problem);
+  if (!capture.problem.empty()) say(fmt::format("{}: {}", capture.name, capture.problem));
   std::vector<NightCell> cells;
   for (const replay::TechniqueRequest& request : planned.options.techniques) {
     NightCell cell;
@@ -362,32 +353,13 @@ void Night::replay_capture(std::size_t index) {
     cell.technique = technique_key(request.technique, request.parameters);
     cells.push_back(std::move(cell));
   }
-  // Until the worker is through nothing of the capture is stored; a cell's frames wait as results with their images.
-  struct Waiting {
-    std::size_t cell;
-    replay::FrameResult result;
-    std::map<std::string, Blob> images;
-  };
-  std::vector<Waiting> waiting;
-  if (capture.problem.empty()) {
-    say(fmt::format("{} ({}/{}): {} techniques", capture.name, index + 1, planned_.size(), cells.size()));
-    const replay::ReplayJob job = job_for(planned);
-    std::filesystem::create_directories(job.out_dir);
-    const auto take = [&](std::uint32_t ordinal, const replay::FrameResult& result) {
-      waiting.push_back({ordinal, result, read_worker_images(job.out_dir, result)});
-    };
-    Replayed replayed = replay_in_worker(job, folder_.night() / "job.json", options_, take);
-    capture.head = replayed.head;
-    capture.problem = replayed.problem;
-    std::filesystem::remove_all(job.out_dir);
-  }
-  if (!capture.problem.empty()) say(fmt::format("{}: {}", capture.name, capture.problem));
   nights_.add_capture(night_.id, static_cast<std::uint32_t>(index), capture);
   for (NightCell& cell : cells) cell.id = nights_.add_cell(night_.id, cell);
-  for (const Waiting& frame : waiting) {
-    NightCell& cell = cells[frame.cell];
+  for (const Waiting& frame : waiting_) {
+    NightCell& cell = cells[frame.ordinal];
     cell.frames.push_back(nights_.add_frame(cell.id, frame.result, frame.images));
   }
+  waiting_.clear();
   for (NightCell& cell : cells) cell.time = cell_time(cell, cells);
   night_.captures.push_back(std::move(capture));
   std::ranges::move(cells, std::back_inserter(night_.cells));
@@ -437,23 +409,23 @@ std::vector<std::vector<NightCell>> Night::time_capture(std::uint32_t capture, c
   for (const replay::TechniqueRequest& request : planned.options.techniques)
     none.emplace_back().technique = technique_key(request.technique, request.parameters);
   std::vector<std::vector<NightCell>> measured(rounds, none);
-  const replay::ReplayJob job = job_for(planned);
-  std::filesystem::create_directories(job.out_dir);
   // A frame's rounds come one after the other, then those of the next frame.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> seen;
-  const auto take = [&](std::uint32_t ordinal, const replay::FrameResult& result) {
-    for (const auto& image : result.images) {
-      std::error_code ignored;
-      std::filesystem::remove(job.out_dir / image.second, ignored);
-    }
+  std::string problem;
+  ReplaySink sink;
+  sink.result = [&](std::size_t, std::uint32_t ordinal, replay::FrameResult result,
+                    const std::map<std::string, Blob>&) {
     const std::uint32_t round = seen[{result.frame, ordinal}]++;
-    if (round < rounds) measured[round][ordinal].frames.push_back({0, result, ""});
+    if (round < rounds) measured[round][ordinal].frames.push_back({0, std::move(result), ""});
   };
-  const Replayed replayed = replay_in_worker(job, folder_.night() / "job.json", options_, take);
-  std::filesystem::remove_all(job.out_dir);
-  if (replayed.head) measure_ = measure_of(*replayed.head);
-  if (!replayed.problem.empty()) {
-    say(fmt::format("{}: times: {}", planned.capture.name, replayed.problem));
+  sink.end = [&](std::size_t, const ReplayEnd& end) {
+    problem = end.problem;
+    if (end.head) measure_ = measure_of(*end.head);
+  };
+  // Here and on no other node: times of one night are compared with those of others.
+  here_.replay({request_for(planned)}, sink);
+  if (!problem.empty()) {
+    say(fmt::format("{}: times: {}", planned.capture.name, problem));
     return {};
   }
   return measured;
@@ -553,7 +525,12 @@ std::optional<ImageDifference> Night::compare(NightFrame& tonight, const std::st
 NightRecord run_night(const NightlyConfig& config, const DataFolder& folder, Store& store,
                       const NightOptions& options) {
   try {
-    return Night(config, folder, store, options).run();
+    try {
+      return Night(config, folder, store, options).run();
+    } catch (const Error& error) {  // what the engine can't go on without
+      NightStore(store).interrupt_running(error.what());
+      throw;
+    }
   } catch (const SqliteError& error) {
     throw InputError("can't store the night", error.disk_full() ? "the disk is full" : error.what(),
                      folder.store().string());

@@ -304,6 +304,13 @@ int work(const std::string& job_path) {
   const std::uint32_t total = (last - first + 1) * techniques;
   if (job.options.rounds > 0) return time_rounds(job, fake, width, height);
   std::uint32_t done = 0;
+  if (job.options.references_only) {
+    const auto all = static_cast<std::size_t>(total) - job.options.skip.size();
+    if (fake.contains("log"))
+      std::ofstream(fake["log"].get<std::string>(), std::ios::app) << "references " << all << "\n";
+    say({{"type", "done"}});
+    return 0;
+  }
   for (std::uint32_t frame = first; frame <= last; ++frame) {
     for (std::uint32_t index = 0; index < techniques; ++index, ++done) {
       const std::pair<std::uint32_t, std::uint32_t> pair{frame, index};
