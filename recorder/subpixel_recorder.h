@@ -133,8 +133,10 @@ enum subpixel_filter { SUBPIXEL_FILTER_LINEAR = 0, SUBPIXEL_FILTER_NEAREST = 1 }
 enum subpixel_mip {
   SUBPIXEL_MIP_LINEAR = 0,
   SUBPIXEL_MIP_NEAREST = 1,
-  SUBPIXEL_MIP_NONE = 2
-}; /* none: level 0 always */
+  SUBPIXEL_MIP_NONE = 2,            /* level 0 always */
+  SUBPIXEL_MIP_LINEAR_OF_MEANS = 3, /* a level's alpha is the mean of the finer level's, as most engines have it; with */
+  SUBPIXEL_MIP_NEAREST_OF_MEANS = 4 /* 0 and 1 it is scaled so that as many texels pass an alpha test as at level 0 */
+};
 
 typedef struct subpixel_texture {
   uint32_t struct_size;

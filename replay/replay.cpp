@@ -101,6 +101,9 @@ class Replay {
   void replay_frames(std::uint32_t first, std::uint32_t last);
   // The current frame's reference for a technique's shading model and resolve; null without references.
   std::shared_ptr<const Reference> reference_for(std::uint32_t frame, const TechniqueSetting& planned);
+  // Options' `rounds` of times; their results have neither images nor errors.
+  void time_rounds(std::uint32_t frame, const std::vector<std::size_t>& wanted);
+  FrameResult unmeasured(std::uint32_t frame, std::size_t which) const;
   // Of a reference among the job's kinds, in the order of the techniques: files have the same names whatever is
   // skipped.
   std::size_t place_of(const ReferenceKind& kind) const;
@@ -240,6 +243,10 @@ void Replay::replay_frames(std::uint32_t first, std::uint32_t last) {
     now("scene");
     scene_->set_frame({frame, width_, height_});
     references_.clear();
+    if (options_.rounds > 0) {
+      time_rounds(frame, wanted);
+      continue;
+    }
     if (options_.references_only) {
       for (const std::size_t which : wanted) reference_for(frame, planned_[which]);
       continue;
@@ -254,6 +261,36 @@ void Replay::replay_frames(std::uint32_t first, std::uint32_t last) {
     references_before_ = std::move(references_);
     frame_before_ = frame;
   }
+}
+
+void Replay::time_rounds(std::uint32_t frame, const std::vector<std::size_t>& wanted) {
+  for (std::uint32_t round = 0; round < options_.rounds; ++round) {
+    progress("times", round, options_.rounds, fmt::format("frame {}", frame));
+    for (const std::size_t which : wanted) {
+      now("prepare");
+      FrameResult result = unmeasured(frame, which);
+      RecordedFrame recorded(*scene_, planned_[which]);
+      now("submit");
+      result.ms = recorded.time(options_.repeat);
+      result.memory = recorded.memory();
+      result.counters = recorded.counters();
+      now("report");
+      if (events_.result) events_.result(static_cast<std::uint32_t>(which), result);
+      results_.results.push_back(std::move(result));
+    }
+  }
+}
+
+FrameResult Replay::unmeasured(std::uint32_t frame, std::size_t which) const {
+  const TechniqueSetting& planned = planned_[which];
+  FrameResult result;
+  result.frame = frame;
+  result.technique = planned.technique->name;
+  result.parameters = planned.values;
+  result.samples = planned.parameters->samples;
+  result.width = width_;
+  result.height = height_;
+  return result;
 }
 
 std::size_t Replay::place_of(const ReferenceKind& kind) const {
@@ -296,13 +333,7 @@ std::shared_ptr<const Reference> Replay::reference_for(std::uint32_t frame, cons
 void Replay::run_technique(std::uint32_t frame, std::size_t which) {
   const TechniqueSetting& planned = planned_[which];
   now("prepare");
-  FrameResult result;
-  result.frame = frame;
-  result.technique = planned.technique->name;
-  result.parameters = planned.values;
-  result.samples = planned.parameters->samples;
-  result.width = width_;
-  result.height = height_;
+  FrameResult result = unmeasured(frame, which);
   const std::string stem = fmt::format("frame{:04}_{:02}_{}", frame, which, result.technique);
   FrameImages images;
   {  // before the reference, which shows the scene without jitter

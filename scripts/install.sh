@@ -13,7 +13,7 @@ packages=(build-essential g++ cmake ninja-build pkg-config glslang-tools libvulk
   libcli11-dev libglm-dev libminizip-dev libseccomp-dev libgtest-dev libbenchmark-dev sweethome3d-furniture)
 # Least versions, Debian 12's: older ones are known not to do (CMake's presets; a Vulkan extension's header; C++20).
 least_versions=(cmake 3.25 libvulkan-dev 1.3.239 g++ 4:12)
-test_packages=(clang-format clang-tidy nginx-light vulkan-validationlayers libembree-dev
+test_packages=(clang-format clang-tidy nginx-light python3-yaml vulkan-validationlayers libembree-dev
   python3-renderdoc python3-numpy xvfb xauth libgl-dev libx11-dev libgl1-mesa-dri libegl1 vulkan-tools)
 
 command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||

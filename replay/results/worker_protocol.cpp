@@ -7,6 +7,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::uint32_t kMaxRounds = 1000;
+
 json options_to_json(const ReplayOptions& options) {
   json techniques = json::array();
   for (const TechniqueRequest& request : options.techniques) {
@@ -28,6 +30,7 @@ json options_to_json(const ReplayOptions& options) {
   if (options.references_only) out["references_only"] = true;
   if (options.frames) out["frames"] = json::array({options.frames->first, options.frames->second});
   if (options.point_lights) out["point_lights"] = *options.point_lights;
+  if (options.rounds > 0) out["rounds"] = options.rounds;
   return out;
 }
 
@@ -61,6 +64,10 @@ ReplayOptions options_from_field(const JsonField& field) {
   options.reference_samples = field.member("reference_samples").u32();
   if (field.has("point_lights") && !field.member("point_lights").raw().is_null()) {
     options.point_lights = field.member("point_lights").u32();
+  }
+  if (field.has("rounds")) {
+    options.rounds = field.member("rounds").u32();
+    if (options.rounds > kMaxRounds) field.member("rounds").fail("there are too many");
   }
   if (field.has("skip")) {
     const JsonField skip = field.member("skip");

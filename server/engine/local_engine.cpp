@@ -66,6 +66,7 @@ WorkerEnd replay_in_worker(const replay::ReplayJob& job, const std::filesystem::
   limits.confinement.emplace();
   limits.confinement->readable = {job.capture.string(), job_file.string()};
   limits.confinement->writable = {job.out_dir.string(), job.cache_dir.string()};
+  limits.counts_instructions = true;
   limits.environment.push_back("MESA_SHADER_CACHE_DIR=" + (job.cache_dir / "mesa").string());
   const ChildOutcome outcome =
       run_child({worker.path.string(), "worker", "--job", job_file.string()}, limits, {}, take_line);

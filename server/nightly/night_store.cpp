@@ -8,7 +8,8 @@ namespace {
 using nlohmann::json;
 
 constexpr std::string_view kNightColumns =
-    "SELECT id, name, status, reason, started_utc, finished_utc, build, config, baseline, baseline_night FROM nights ";
+    "SELECT id, name, status, reason, started_utc, finished_utc, build, config, baseline, baseline_night, commit_id, "
+    "facts FROM nights ";
 
 NightRecord read_night(Statement& row) {
   NightRecord night;
@@ -22,6 +23,8 @@ NightRecord read_night(Statement& row) {
   night.config = json::parse(row.text());
   night.baseline = row.optional_text();
   if (const std::optional<std::string> number = row.optional_text()) night.baseline_night = std::stoll(*number);
+  night.commit = row.text();
+  night.facts = json::parse(row.text());
   return night;
 }
 
@@ -114,14 +117,15 @@ std::int64_t NightStore::add(const NightRecord& night) {
   const std::string config = night.config.dump();
   const std::string now = utc_now();
   Statement insert(writer.connection(),
-                   "INSERT INTO nights (name, status, started_utc, build, config, baseline, baseline_night) VALUES (?, "
-                   "'running', ?, ?, ?, ?, ?)");
+                   "INSERT INTO nights (name, status, started_utc, build, config, baseline, baseline_night, commit_id) "
+                   "VALUES (?, 'running', ?, ?, ?, ?, ?, ?)");
   insert.bind(night.name)
       .bind(now)
       .bind(night.build)
       .bind(config)
       .bind(night.baseline)
       .bind(night.baseline_night)
+      .bind(night.commit)
       .run();
   return writer.connection().last_insert_id();
 }
@@ -200,6 +204,12 @@ void NightStore::update_cell(const NightCell& cell) {
       .run();
 }
 
+void NightStore::set_facts(std::int64_t night, const json& facts) {
+  const Store::WriteLease writer = store_.write();
+  const std::string text = facts.dump();
+  Statement(writer.connection(), "UPDATE nights SET facts = ? WHERE id = ?").bind(text).bind(night).run();
+}
+
 void NightStore::finish(std::int64_t id, NightStatus status, std::string_view reason) {
   const Store::WriteLease writer = store_.write();
   const std::string now = utc_now();
@@ -271,6 +281,41 @@ std::vector<NightRecord> NightStore::nights(std::uint32_t limit, std::int64_t be
   for (NightRecord& night : nights) {
     read_captures(reader.connection(), night);
     read_cells(reader.connection(), night);
+  }
+  return nights;
+}
+
+std::vector<NightRecord> NightStore::nights_of_cell(std::string_view name, std::string_view capture,
+                                                    std::string_view technique, std::uint32_t limit) const {
+  const Store::ReadLease reader = store_.read();
+  std::vector<std::pair<std::int64_t, std::int64_t>> found;  // night and cell
+  {
+    Statement select(reader.connection(),
+                     "SELECT n.id, c.id FROM nights n JOIN night_captures k ON k.night = n.id AND k.name = ? "
+                     "JOIN night_cells c ON c.night = n.id AND c.capture = k.ordinal AND c.technique = ? "
+                     "WHERE n.name = ? AND n.status IN ('passed', 'failed') AND c.status <> 'missing' "
+                     "ORDER BY n.id DESC LIMIT ?");
+    select.bind(capture).bind(technique).bind(name).bind(std::int64_t{limit});
+    while (select.step()) {
+      const std::int64_t night = select.integer();
+      found.emplace_back(night, select.integer());
+    }
+  }
+  std::vector<NightRecord> nights;
+  for (const auto& [night_id, cell_id] : found) {
+    Statement row(reader.connection(), std::string(kNightColumns) + "WHERE id = ?");
+    row.bind(night_id);
+    Statement cell_row(reader.connection(), std::string(kCellColumns) + "WHERE id = ?");
+    cell_row.bind(cell_id);
+    if (!row.step() || !cell_row.step()) continue;  // deleted meanwhile
+    NightRecord night = read_night(row);
+    NightCell cell = read_cell(cell_row);
+    read_captures(reader.connection(), night);
+    night.captures = {night.captures.at(cell.capture)};
+    cell.capture = 0;
+    read_frames(reader.connection(), cell);
+    night.cells.push_back(std::move(cell));
+    nights.push_back(std::move(night));
   }
   return nights;
 }

@@ -19,6 +19,7 @@ namespace subpixel::server {
 struct NightOptions {
   std::filesystem::path worker;  // run as `worker worker --job FILE`
   ChildLimits limits;
+  std::string commit;                                     // of what is measured; empty: this build's
   std::function<void(const std::string& line)> progress;  // one line for people; may be absent
   ReplayEngine* engine = nullptr;  // where captures are replayed; none: in processes of this machine
 };
