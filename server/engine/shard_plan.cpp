@@ -35,11 +35,11 @@ std::vector<Shard> plan_shards(const ReplayRequest& request, std::size_t number,
   };
   const bool fits = frame_cost <= 1;
   const std::size_t per_shard = fits ? static_cast<std::size_t>(1 / std::max(frame_cost, 1e-9)) : 1;
-  const std::size_t groups = request.undivided ? 1 : (frames + per_shard - 1) / std::max<std::size_t>(per_shard, 1);
+  const std::size_t groups = (frames + per_shard - 1) / std::max<std::size_t>(per_shard, 1);
   for (std::size_t group = 0; group < groups; ++group) {
     const auto begin = static_cast<std::uint32_t>(first + frames * group / groups);
     const auto end = static_cast<std::uint32_t>(first + frames * (group + 1) / groups);
-    const std::size_t parts = request.undivided || fits ? 1 : pieces(frame_cost, techniques);
+    const std::size_t parts = fits ? 1 : pieces(frame_cost, techniques);
     std::uint32_t low = 0;
     double done = 0;
     for (std::size_t part = 1; part <= parts && low < techniques; ++part) {
