@@ -57,15 +57,14 @@ class Collection {
         "CREATE TEMP TABLE gone_captures (hash TEXT PRIMARY KEY); BEGIN");
     choose_rows(c);
     choose_captures(c);
-    Statement blobs(
-        c,
-        "SELECT hash, length(bytes), outside FROM blobs WHERE "
-        "NOT EXISTS (SELECT 1 FROM images i JOIN frame_results f ON f.id = i.result JOIN runs r ON r.id = "
-        "f.run WHERE i.blob = blobs.hash AND f.run NOT IN gone_runs AND r.capture NOT IN gone_captures) "
-        "AND NOT EXISTS (SELECT 1 FROM night_images i JOIN night_frames f ON f.id = i.frame JOIN "
-        "night_cells n ON n.id = f.cell WHERE i.blob = blobs.hash AND n.night NOT IN gone_nights) "
-        "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash AND hash NOT IN "
-        "gone_captures)");
+    Statement blobs(c,
+                    "SELECT hash, length(bytes), outside FROM blobs WHERE "
+                    "NOT EXISTS (SELECT 1 FROM images i JOIN frame_results f ON f.id = i.result JOIN runs r ON r.id = "
+                    "f.run WHERE i.blob = blobs.hash AND f.run NOT IN gone_runs AND r.capture NOT IN gone_captures) "
+                    "AND NOT EXISTS (SELECT 1 FROM night_images i JOIN night_frames f ON f.id = i.frame JOIN "
+                    "night_cells n ON n.id = f.cell WHERE i.blob = blobs.hash AND n.night NOT IN gone_nights) "
+                    "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash AND hash NOT IN "
+                    "gone_captures)");
     while (blobs.step()) {
       blobs_.push_back(blobs.text());
       freed_.store_bytes += static_cast<std::uint64_t>(blobs.integer());
