@@ -19,7 +19,7 @@ void ask_to_stop(int) {
 }  // namespace
 
 std::shared_ptr<EngineFlags> add_engine_options(CLI::App& verb) {
-  const auto flags = std::make_shared<EngineFlags>();
+  auto flags = std::make_shared<EngineFlags>();
   verb.add_option("--engine", flags->engine, "Where captures are replayed: local, or slurm (docs/nightly.md)")
       ->check(CLI::IsMember({"local", "slurm"}))
       ->capture_default_str();
