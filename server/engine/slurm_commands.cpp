@@ -175,7 +175,8 @@ std::vector<std::string> SlurmCommands::usable_nodes() const {
   if (!partition_.empty()) arguments.push_back("--partition=" + partition_);
   std::vector<std::string> nodes;
   bool any = false;
-  for (const std::string_view line : split(ask("sinfo", arguments).output, '\n')) {
+  const Said answer = ask("sinfo", arguments);  // the lines are parts of it
+  for (const std::string_view line : split(answer.output, '\n')) {
     const std::vector<std::string_view> parts = split(line, '|');
     // The default partition is the one with a star.
     if (parts.size() < 4 || (partition_.empty() && !parts[2].ends_with('*'))) continue;
@@ -194,7 +195,8 @@ std::string SlurmCommands::nodes_in_words() const {
   std::vector<std::string> arguments{"-h", "-N", "-o", "%N|%T|%a|%P|%E"};
   if (!partition_.empty()) arguments.push_back("--partition=" + partition_);
   std::vector<std::string> words;
-  for (const std::string_view line : split(ask("sinfo", arguments).output, '\n')) {
+  const Said answer = ask("sinfo", arguments);  // the lines are parts of it
+  for (const std::string_view line : split(answer.output, '\n')) {
     const std::vector<std::string_view> parts = split(line, '|');
     if (parts.size() < 5 || words.size() >= 8 || (partition_.empty() && !parts[3].ends_with('*'))) continue;
     words.push_back(fmt::format("{} {}{}{}", plain(parts[0]), plain(parts[1]),
