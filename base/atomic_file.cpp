@@ -9,13 +9,11 @@
 #include <system_error>
 #include <utility>
 
-#include "base/error.hpp"
-
 namespace subpixel {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, int error) {
-  throw InputError("can't write the file", std::generic_category().message(error), path.string());
+  throw WriteError(path, error);
 }
 
 std::filesystem::path folder_of(const std::filesystem::path& path) {
@@ -23,6 +21,9 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+WriteError::WriteError(const std::filesystem::path& path, int code)
+    : InputError("can't write the file", std::generic_category().message(code), path.string()), code_(code) {}
 
 AtomicFile::AtomicFile(const std::filesystem::path& target) : target_(target) {
   std::error_code ignored;

@@ -8,7 +8,19 @@
 #include <string>
 #include <string_view>
 
+#include "base/error.hpp"
+
 namespace subpixel {
+
+// A file that can't be written; `code` is the system's error number.
+class WriteError : public InputError {
+ public:
+  WriteError(const std::filesystem::path& path, int code);
+  int code() const { return code_; }
+
+ private:
+  int code_;
+};
 
 // A file in the making, beside its target under a name of its own; gone again unless commit() succeeds. A target that
 // is a device or a pipe is written in place, for a rename would put a file where it was; of a symbolic link what it

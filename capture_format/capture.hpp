@@ -35,7 +35,9 @@ enum class TextureEncoding : std::uint32_t { rgba8 = 0, image_file = 1 };  // im
 
 enum class Wrap : std::uint32_t { repeat = 0, clamp_to_edge = 1, mirrored_repeat = 2 };
 enum class TexelFilter : std::uint32_t { linear = 0, nearest = 1 };
-enum class MipFilter : std::uint32_t { linear = 0, nearest = 1, none = 2 };  // none: level 0 at every distance
+// none: level 0 at every distance. of_means: a level's alpha is the mean of the finer level's, as most engines have it;
+// else it is scaled so that as many texels pass an alpha test as at level 0.
+enum class MipFilter : std::uint32_t { linear = 0, nearest = 1, none = 2, linear_of_means = 3, nearest_of_means = 4 };
 
 struct Sampler {
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;

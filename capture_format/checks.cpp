@@ -152,7 +152,7 @@ void check_sampler(const Sampler& sampler, const Report& report) {
   check_enumeration("sampler.wrap_v", sampler.wrap_v, Wrap::mirrored_repeat, "wrap", report);
   check_enumeration("sampler.magnify", sampler.magnify, TexelFilter::nearest, "texel filter", report);
   check_enumeration("sampler.minify", sampler.minify, TexelFilter::nearest, "texel filter", report);
-  check_enumeration("sampler.mip", sampler.mip, MipFilter::none, "mip filter", report);
+  check_enumeration("sampler.mip", sampler.mip, MipFilter::nearest_of_means, "mip filter", report);
 }
 
 void check_uv_mapping(const std::string& field, const UvMapping& mapping, const Report& report) {

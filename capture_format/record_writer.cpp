@@ -16,6 +16,11 @@ bool needs_version_2(const Material& material) {
          material.emissive_uv != UvMapping{};
 }
 
+std::uint32_t version_of(const Texture& texture) {
+  if (texture.sampler.mip > MipFilter::none) return 3;
+  return texture.sampler != Sampler{} ? 2 : 1;
+}
+
 std::uint32_t version_of(const VertexStream& stream) {
   if (stream.buffer == kNone || stream.format <= VertexFormat::unorm16x2) return 1;
   return stream.format <= VertexFormat::unorm16x4 ? 2 : 3;
@@ -53,11 +58,10 @@ void put_stream(ByteWriter& out, const VertexStream& stream) {
 
 std::uint32_t needed_version(const Capture& capture) {
   const bool needs_2 = !capture.metadata.notices.empty() ||
-                       std::any_of(capture.textures.begin(), capture.textures.end(),
-                                   [](const Texture& texture) { return texture.sampler != Sampler{}; }) ||
                        std::any_of(capture.materials.begin(), capture.materials.end(),
                                    [](const Material& material) { return needs_version_2(material); });
   std::uint32_t version = needs_2 ? 2 : 1;
+  for (const Texture& texture : capture.textures) version = std::max(version, version_of(texture));
   for (const Frame& frame : capture.frames) version = std::max(version, version_of(frame));
   return version;
 }

@@ -20,6 +20,7 @@
 #include "base/failure.hpp"
 #include "base/json_document.hpp"
 #include "base/printable.hpp"
+#include "base/python_interpreter.hpp"
 #include "capture_format/writer.hpp"
 #include "cli/written_summary.hpp"
 #include "process/child_process.hpp"
@@ -220,7 +221,8 @@ void import_in_child(const std::string& in, const std::filesystem::path& out, co
     // Who imports on the command line may read what they may; the reader of someone else's file writes nothing but the
     // capture, opens no connection and, but for RenderDoc's Python, starts nothing.
     if (limits.is_confined) {
-      child_limits.confinement = Confinement{{"/"}, {own_folder}, is_renderdoc(in)};
+      child_limits.confinement = Confinement{{"/"}, {own_folder}};
+      if (is_renderdoc(in)) child_limits.confinement->interpreter = python_interpreter();
       if (in_place) child_limits.confinement->writable.push_back(file);
     }
     outcome = run_child(arguments, child_limits, signals->stop_token(),

@@ -18,6 +18,7 @@
 
 #include "base/error.hpp"
 #include "base/json_document.hpp"
+#include "base/python_interpreter.hpp"
 #include "capture_format/reading/reader.hpp"
 #include "python/embedded.hpp"
 
@@ -66,11 +67,9 @@ std::string with_variable(const char* name, const std::string& value) {
 // This process's environment with what the exporter needs.
 std::vector<std::string> environment_with(const std::filesystem::path& package, const std::filesystem::path& temporary,
                                           bool on_display) {
-  // Replaying a frame on the CPU takes seconds for each draw asked about, nearly all of them for pixels that nobody
-  // looks at; Mesa's software rasterizer leaves them out when asked to, other drivers know nothing of it.
-  std::vector<std::string> added{
-      with_variable("PYTHONPATH", package.string()), with_variable("PYTHONDONTWRITEBYTECODE", "1"),
-      with_variable("RENDERDOC_TEMP", temporary.string()), with_variable("LP_PERF", "no_shade,no_depth")};
+  std::vector<std::string> added{with_variable("PYTHONPATH", package.string()),
+                                 with_variable("PYTHONDONTWRITEBYTECODE", "1"),
+                                 with_variable("RENDERDOC_TEMP", temporary.string())};
   if (!on_display) {
     added.insert(added.end(),
                  {with_variable("DISPLAY", ""), with_variable("WAYLAND_DISPLAY", ""),
@@ -171,8 +170,7 @@ capture::Capture import_renderdoc(const std::string& in, const RenderDocOptions&
   const Scratch made(scratch);
   const std::filesystem::path package = made.folder() / "package", exported = made.folder() / "exported.spcap";
   unpack(package);
-  const char* const python = std::getenv("SUBPIXEL_PYTHON");
-  std::vector<std::string> arguments{python != nullptr ? python : "/usr/bin/python3", "-m", "subpixel_renderdoc"};
+  std::vector<std::string> arguments{python_interpreter(), "-m", "subpixel_renderdoc"};
   arguments.emplace_back("--json");
   arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
   arguments.emplace_back("--");

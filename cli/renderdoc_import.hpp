@@ -20,7 +20,7 @@ struct RenderDocOptions {
 bool is_renderdoc(const std::filesystem::path& path);
 
 // The capture of a .rdc file. Runs the exporter, whose progress lines go to standard output as JSON documents. The
-// Python is that of the environment variable SUBPIXEL_PYTHON, else /usr/bin/python3. Files are made in a folder of its
+// Python is python_interpreter()'s. Files are made in a folder of its
 // own under `scratch` and removed. Throws InputError with the exporter's or the system's reason.
 capture::Capture import_renderdoc(const std::string& in, const RenderDocOptions& options,
                                   const std::filesystem::path& scratch);

@@ -14,8 +14,10 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/failure.hpp"
+#include "base/hash.hpp"
 #include "base/json_text.hpp"
 #include "base/printable.hpp"
+#include "cli/engine_options.hpp"
 #include "cli/option_values.hpp"
 #include "cli/progress_line.hpp"
 #include "process/confinement.hpp"
@@ -23,7 +25,9 @@
 #include "replay/replay.hpp"
 #include "replay/results/plots.hpp"
 #include "replay/results/results_file.hpp"
+#include "replay/techniques/complete_technique.hpp"
 #include "replay/techniques/registry.hpp"
+#include "server/engine/shard_folder.hpp"
 
 namespace subpixel::cli {
 namespace {
@@ -35,6 +39,7 @@ struct ReplayFlags {
   bool validate = false;
   std::uint32_t samples = 8, repeat = 3, reference_samples = 512;
   std::optional<std::uint32_t> point_lights;
+  std::shared_ptr<EngineFlags> engine;
 };
 
 // plot_COST_ERROR.svg for each cost and error, and the points behind them.
@@ -54,6 +59,38 @@ void write_plots(const std::filesystem::path& folder, const Results& results) {
   write_file_atomically(folder / "points.md", std::string_view(points_markdown(summaries)));
 }
 
+[[noreturn]] void fail(const server::ReplayEnd& end) {
+  if (end.exit_code == kUsageExit) throw UsageError("replay", end.problem, "");
+  if (end.exit_code == kInputExit) throw InputError("replay", end.problem, "");
+  if (end.exit_code == kInternalExit) throw InternalError("replay", end.problem, "");
+  throw DeviceError("replay", end.problem, "");
+}
+
+// The same as run_replay() by another engine: its files come into out_dir, under the names that they would have there.
+Results replay_elsewhere(const ReplayJob& job, server::ReplayEngine& engine) {
+  server::ReplayRequest request;
+  request.name = job.capture.stem().string();
+  request.capture_hash = content_hash_hex(job.capture);
+  request.job = job;
+  // A mistake in the request is told here, before anything waits in a queue.
+  for (const TechniqueRequest& technique : job.options.techniques) complete_technique(technique, job.options.samples);
+  Results results;
+  server::ReplaySink sink;
+  sink.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", printable(line)); };
+  sink.result = [&](std::size_t, std::uint32_t, FrameResult result, const std::map<std::string, server::Blob>& images) {
+    for (const auto& [role, file] : result.images) {
+      write_file_atomically(job.out_dir / file, std::string_view(images.at(role).bytes));
+    }
+    results.results.push_back(std::move(result));
+  };
+  sink.end = [&](std::size_t, const server::ReplayEnd& end) {
+    if (!end.problem.empty()) fail(end);
+    if (end.head) results.head = *end.head;
+  };
+  engine.replay({request}, sink);
+  return results;
+}
+
 void replay_and_write(const ReplayFlags& flags, const ReplayInspection& inspection) {
   ReplayJob job;
   job.capture = flags.file;
@@ -68,7 +105,14 @@ void replay_and_write(const ReplayFlags& flags, const ReplayInspection& inspecti
   job.options.point_lights = flags.point_lights;
 
   Results results;
-  {
+  const std::unique_ptr<server::ReplayEngine> engine =
+      make_engine(*flags.engine, {std::filesystem::read_symlink("/proc/self/exe"), {}}, job.out_dir, job.cache_dir);
+  if (engine) {
+    if (inspection.validation_messages != nullptr || inspection.capture || !inspection.device.empty()) {
+      throw UsageError("command line", "it is of --engine local", "--validate, --capture-frame, --device");
+    }
+    results = replay_elsewhere(job, *engine);
+  } else {
     ProgressLine line;
     ReplayEvents events;
     events.progress = [&](const std::string& stage, std::uint32_t done, std::uint32_t total,
@@ -236,12 +280,23 @@ void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
       "Run under the Vulkan validation layer (Debian: vulkan-validationlayers), slowly; its errors end with 70");
   run->add_option("--capture-frame", flags->capture_frame,
                   "FRAME:TECHNIQUE that RenderDoc, under which this has to run, captures into OUT");
+  flags->engine = add_engine_options(*run);
   run->callback([&action, flags] { action = [flags] { return replay(*flags); }; });
 
   CLI::App* work = app.add_subcommand("worker", "Run one job of the service; its messages go to standard output");
   const auto job = std::make_shared<std::string>();
   work->add_option("--job", *job, "The job, JSON")->required();
   work->callback([&action, job] { action = [job] { return worker(*job); }; });
+
+  CLI::App* shard = app.add_subcommand("shard", "Do one task of a night that is divided among nodes");
+  const auto task = std::make_shared<std::string>();
+  shard->add_option("--task", *task, "The task, JSON, beside the folders it names")->required();
+  shard->callback([&action, task] {
+    action = [task] {
+      server::run_shard_task(*task);
+      return 0;
+    };
+  });
 }
 
 }  // namespace subpixel::cli

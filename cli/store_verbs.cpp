@@ -19,6 +19,7 @@ struct StoreArguments {
   std::string data = "subpixel-data", target;
   server::Retention retention;
   bool as_json = false, dry = false, compact = false;
+  std::optional<std::uint64_t> outside;  // blobs from this size on; 0: none
 };
 
 bool cache_is_whole(const std::filesystem::path& file) {
@@ -36,13 +37,14 @@ int check(const StoreArguments& arguments) {
                                   {"runs", report.runs},
                                   {"nights", report.nights},
                                   {"blobs", report.blobs},
+                                  {"outside", report.outside},
                                   {"cached", report.cached}},
                                  1));
   } else {
     for (const std::string& line : report.damage) fmt::print("damage: {}\n", printable(line));
     for (const std::string& line : report.leftover) fmt::print("leftover: {}\n", printable(line));
-    fmt::print("{} captures, {} runs, {} nights, {} blobs, {} cached references: {}\n", report.captures, report.runs,
-               report.nights, report.blobs, report.cached,
+    fmt::print("{} captures, {} runs, {} nights, {} blobs, {} of them in files, {} cached references: {}\n",
+               report.captures, report.runs, report.nights, report.blobs, report.outside, report.cached,
                report.damage.empty() ? "whole" : fmt::format("{} damaged", report.damage.size()));
   }
   return report.damage.empty() ? 0 : 1;
@@ -91,6 +93,12 @@ int migrate(const StoreArguments& arguments) {
   } else {
     fmt::print("version {} to {}; as it was: {}\n", report.from, report.to, printable(report.kept.string()));
   }
+  if (arguments.outside) {
+    const server::Moved moved =
+        server::place_blobs(folder, *arguments.outside > 0 ? std::optional(*arguments.outside) : std::nullopt);
+    fmt::print("{} blobs moved to files, {} back, {} bytes; the store's file gets shorter by gc --compact\n", moved.out,
+               moved.in, moved.bytes);
+  }
   return 0;
 }
 
@@ -124,7 +132,9 @@ void add_store_verbs(CLI::App& app, std::function<int()>& action) {
   gc->add_flag("--compact", arguments->compact, "Also make the store's file shorter; no service may run");
   gc->add_flag("--json", arguments->as_json, "Print one JSON document");
   add("migrate", "Take the store to this program's version and keep it as it was beside it; no service may run",
-      &migrate);
+      &migrate)
+      ->add_option("--blobs-outside", arguments->outside,
+                   "Keep blobs of so many bytes and more in files of their own, those that are stored too; 0: none");
 }
 
 }  // namespace subpixel::cli

@@ -18,6 +18,8 @@
 #include <optional>
 #include <utility>
 
+#include "base/work_counter.hpp"
+
 namespace subpixel {
 namespace {
 
@@ -100,6 +102,15 @@ struct Program {
   // Connections and the store are closed on exec by whoever opened them; one that forgot must not matter. They end
   // here, for there may be thousands, and what comes now has to open files under a lower limit.
   ::syscall(SYS_close_range, 3u, ~0u, 0u);
+  // Before the filter, which forbids it. What can't be counted is an empty file.
+  if (program.limits.counts_instructions) {
+    int counter = open_instruction_counter();
+    if (counter < 0) counter = ::open("/dev/null", O_RDONLY);
+    if (counter >= 0 && counter != kInstructionsDescriptor) {
+      ::dup2(counter, kInstructionsDescriptor);
+      ::close(counter);
+    }
+  }
   lower_limit(RLIMIT_NOFILE, kDescriptors);
   if (program.confinement != nullptr && !program.confinement->enter()) ::_exit(kNotConfined);
   ::execve(program.arguments[0], program.arguments, program.environment);
@@ -281,7 +292,9 @@ ChildOutcome run_child(const std::vector<std::string>& arguments, const ChildLim
                        const LineHandler& on_line) {
   ChildOutcome outcome;
   const std::vector<char*> argv = pointers(arguments);
-  const std::vector<std::string> variables = environment_with(limits.environment);
+  std::vector<std::string> added = limits.environment;
+  if (limits.counts_instructions) added.push_back(std::string(kInstructionsVariable) + "=1");
+  const std::vector<std::string> variables = environment_with(added);
   const std::vector<char*> environment = pointers(variables);
   std::optional<PreparedConfinement> confinement;
   if (limits.confinement) confinement.emplace(*limits.confinement, arguments[0]);

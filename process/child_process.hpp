@@ -26,6 +26,7 @@ struct ChildLimits {
   std::uint64_t processor_s = 0;  // of all its threads together
   std::optional<Confinement> confinement;
   std::vector<std::string> environment;  // NAME=VALUE, added to this process's
+  bool counts_instructions = false;      // the child may ask what it retired (base/work_counter.hpp)
 };
 
 struct ChildOutcome {

@@ -188,13 +188,14 @@ PreparedConfinement::PreparedConfinement(const Confinement& confinement, const s
   // Only itself and what loads it: another program would be as confined, but there is no use for one.
   add(program, LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_READ_FILE);
   add(dynamic_loader(), LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_READ_FILE);
-  if (confinement.runs_programs) {
+  const bool runs_programs = !confinement.interpreter.empty();
+  if (runs_programs) {
     for (const char* const folder : {"/usr", "/bin", "/lib", "/lib64"}) add(folder, kRead | LANDLOCK_ACCESS_FS_EXECUTE);
-    if (const char* const python = std::getenv("SUBPIXEL_PYTHON")) add(python, kRead | LANDLOCK_ACCESS_FS_EXECUTE);
+    add(confinement.interpreter, kRead | LANDLOCK_ACCESS_FS_EXECUTE);
   }
   for (const std::string& path : confinement.readable) add(path, kRead);
   for (const std::string& path : confinement.writable) add(path, kWrite);
-  if (has_seccomp_filters()) filter_ = filter_for(confinement.runs_programs);
+  if (has_seccomp_filters()) filter_ = filter_for(runs_programs);
 }
 
 bool PreparedConfinement::enter() const noexcept {

@@ -13,9 +13,9 @@ namespace subpixel {
 struct Confinement {
   std::vector<std::string> readable;  // files, and folders with all in them, besides the system's libraries and data
   std::vector<std::string> writable;  // the same, to make, change and remove in too
-  // May start processes and the programs of /usr and of SUBPIXEL_PYTHON, which are confined alike: the import of
-  // RenderDoc captures runs Python. Otherwise there is no further process and no program but its own.
-  bool runs_programs = false;
+  // An interpreter that it may start, besides processes and the programs of /usr, all confined alike: the import of
+  // RenderDoc captures runs Python. Empty: no further process and no program but its own.
+  std::string interpreter{};
 };
 
 // A confinement made ready before a fork, for what comes between it and exec must neither allocate nor lock.

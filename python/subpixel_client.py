@@ -137,6 +137,14 @@ class Service:
     def get_cell(self, night, cell):
         return self._ask('GET', f'/api/nights/{_part(night)}/cells/{_part(cell)}')
 
+    def get_trends(self, *, name=None, capture=None, technique=None, limit=None):
+        return self._ask('GET', '/api/nights/trends', {
+            'name': name, 'capture': capture, 'technique': technique, 'limit': limit})
+
+    def get_trends_csv(self, *, name=None, capture=None, technique=None, limit=None):
+        return self._ask('GET', '/api/nights/trends.csv', {
+            'name': name, 'capture': capture, 'technique': technique, 'limit': limit})
+
     def list_baselines(self):
         return self._ask('GET', '/api/baselines')
 

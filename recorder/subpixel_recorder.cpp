@@ -54,6 +54,8 @@ static_assert(is_same(SUBPIXEL_FILTER_NEAREST, capture::TexelFilter::nearest));
 static_assert(is_same(SUBPIXEL_MIP_LINEAR, capture::MipFilter::linear));
 static_assert(is_same(SUBPIXEL_MIP_NEAREST, capture::MipFilter::nearest));
 static_assert(is_same(SUBPIXEL_MIP_NONE, capture::MipFilter::none));
+static_assert(is_same(SUBPIXEL_MIP_LINEAR_OF_MEANS, capture::MipFilter::linear_of_means));
+static_assert(is_same(SUBPIXEL_MIP_NEAREST_OF_MEANS, capture::MipFilter::nearest_of_means));
 static_assert(is_same(SUBPIXEL_ALPHA_OPAQUE, capture::AlphaMode::opaque));
 static_assert(is_same(SUBPIXEL_ALPHA_TEST, capture::AlphaMode::test));
 static_assert(is_same(SUBPIXEL_ALPHA_BLEND, capture::AlphaMode::blend));

@@ -7,6 +7,7 @@
 #include <future>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
@@ -88,6 +89,7 @@ class Replay {
         options_(job.options),
         events_(events),
         inspection_(inspection),
+        skip_(job.options.skip.begin(), job.options.skip.end()),
         planned_(plan(job.options)),
         capture_(read_frames(job, planned_)),
         device_(device_options(inspection)) {}
@@ -99,6 +101,12 @@ class Replay {
   void replay_frames(std::uint32_t first, std::uint32_t last);
   // The current frame's reference for a technique's shading model and resolve; null without references.
   std::shared_ptr<const Reference> reference_for(std::uint32_t frame, const TechniqueSetting& planned);
+  // Options' `rounds` of times; their results have neither images nor errors.
+  void time_rounds(std::uint32_t frame, const std::vector<std::size_t>& wanted);
+  FrameResult unmeasured(std::uint32_t frame, std::size_t which) const;
+  // Of a reference among the job's kinds, in the order of the techniques: files have the same names whatever is
+  // skipped.
+  std::size_t place_of(const ReferenceKind& kind) const;
   void run_technique(std::uint32_t frame, std::size_t which);
   // Draws a result that is there already once more, for the next frame's flicker is told from its image.
   void draw_again(std::uint32_t frame, std::size_t which);
@@ -134,6 +142,7 @@ class Replay {
   const ReplayOptions& options_;
   const ReplayEvents& events_;
   const ReplayInspection& inspection_;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> skip_;  // a part of a divided replay skips nearly everything
   std::vector<TechniqueSetting> planned_;
   capture::Capture capture_;
   gpu::Device device_;
@@ -178,8 +187,7 @@ void Replay::make_head() {
 }
 
 bool Replay::skipped(std::uint32_t frame, std::size_t which) const {
-  return std::any_of(options_.skip.begin(), options_.skip.end(),
-                     [&](const auto& done) { return done.first == frame && done.second == which; });
+  return skip_.contains({frame, static_cast<std::uint32_t>(which)});
 }
 
 Results Replay::run() {
@@ -235,6 +243,14 @@ void Replay::replay_frames(std::uint32_t first, std::uint32_t last) {
     now("scene");
     scene_->set_frame({frame, width_, height_});
     references_.clear();
+    if (options_.rounds > 0) {
+      time_rounds(frame, wanted);
+      continue;
+    }
+    if (options_.references_only) {
+      for (const std::size_t which : wanted) reference_for(frame, planned_[which]);
+      continue;
+    }
     for (const std::size_t which : again) draw_again(frame, which);
     for (const std::size_t which : wanted) {
       const auto total = static_cast<std::uint32_t>((last - first + 1) * planned_.size());
@@ -245,6 +261,46 @@ void Replay::replay_frames(std::uint32_t first, std::uint32_t last) {
     references_before_ = std::move(references_);
     frame_before_ = frame;
   }
+}
+
+void Replay::time_rounds(std::uint32_t frame, const std::vector<std::size_t>& wanted) {
+  for (std::uint32_t round = 0; round < options_.rounds; ++round) {
+    progress("times", round, options_.rounds, fmt::format("frame {}", frame));
+    for (const std::size_t which : wanted) {
+      now("prepare");
+      FrameResult result = unmeasured(frame, which);
+      RecordedFrame recorded(*scene_, planned_[which]);
+      now("submit");
+      result.ms = recorded.time(options_.repeat);
+      result.memory = recorded.memory();
+      result.counters = recorded.counters();
+      now("report");
+      if (events_.result) events_.result(static_cast<std::uint32_t>(which), result);
+      results_.results.push_back(std::move(result));
+    }
+  }
+}
+
+FrameResult Replay::unmeasured(std::uint32_t frame, std::size_t which) const {
+  const TechniqueSetting& planned = planned_[which];
+  FrameResult result;
+  result.frame = frame;
+  result.technique = planned.technique->name;
+  result.parameters = planned.values;
+  result.samples = planned.parameters->samples;
+  result.width = width_;
+  result.height = height_;
+  return result;
+}
+
+std::size_t Replay::place_of(const ReferenceKind& kind) const {
+  std::vector<ReferenceKind> kinds;
+  for (const TechniqueSetting& planned : planned_) {
+    const ReferenceKind each = reference_kind(planned);
+    if (each == kind) break;
+    if (std::find(kinds.begin(), kinds.end(), each) == kinds.end()) kinds.push_back(each);
+  }
+  return kinds.size();
 }
 
 std::shared_ptr<const Reference> Replay::reference_for(std::uint32_t frame, const TechniqueSetting& planned) {
@@ -264,7 +320,7 @@ std::shared_ptr<const Reference> Replay::reference_for(std::uint32_t frame, cons
                                             ReferenceCache(job_.cache_dir), report);
   now("write");
   if (!cached.store_error.empty()) progress("reference", 1, 1, "not cached: " + cached.store_error);
-  const std::string stem = fmt::format("frame{:04}_reference{}", frame, references_.size());
+  const std::string stem = fmt::format("frame{:04}_reference{}", frame, place_of(kind));
   Reference reference{std::move(cached.image), stem + ".png", stem + ".exr"};
   write_png(reference.file, reference.image.display);
   write_exr(reference.linear_file, encode_exr(reference.image.linear));
@@ -277,13 +333,7 @@ std::shared_ptr<const Reference> Replay::reference_for(std::uint32_t frame, cons
 void Replay::run_technique(std::uint32_t frame, std::size_t which) {
   const TechniqueSetting& planned = planned_[which];
   now("prepare");
-  FrameResult result;
-  result.frame = frame;
-  result.technique = planned.technique->name;
-  result.parameters = planned.values;
-  result.samples = planned.parameters->samples;
-  result.width = width_;
-  result.height = height_;
+  FrameResult result = unmeasured(frame, which);
   const std::string stem = fmt::format("frame{:04}_{:02}_{}", frame, which, result.technique);
   FrameImages images;
   {  // before the reference, which shows the scene without jitter

@@ -13,7 +13,7 @@ packages=(build-essential g++ cmake ninja-build pkg-config glslang-tools libvulk
   libcli11-dev libglm-dev libminizip-dev libseccomp-dev libgtest-dev libbenchmark-dev sweethome3d-furniture)
 # Least versions, Debian 12's: older ones are known not to do (CMake's presets; a Vulkan extension's header; C++20).
 least_versions=(cmake 3.25 libvulkan-dev 1.3.239 g++ 4:12)
-test_packages=(clang-format clang-tidy nginx-light vulkan-validationlayers libembree-dev
+test_packages=(clang-format clang-tidy nginx-light python3-yaml vulkan-validationlayers libembree-dev
   python3-renderdoc python3-numpy xvfb xauth libgl-dev libx11-dev libgl1-mesa-dri libegl1 vulkan-tools)
 
 command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
@@ -31,6 +31,9 @@ if [ "${1:-}" = --tests ]; then
   fi
 fi
 
+# Slurm's daemons, for tests that start their own; machines that are without one skip them.
+idle_packages=(munge slurm-client slurmctld slurmd)
+
 settle_mesa
 missing=()
 for package in "${packages[@]}"; do [ -n "$(installed_version "$package")" ] || missing+=("$package"); done
@@ -39,5 +42,16 @@ if [ ${#missing[@]} -gt 0 ]; then
   refresh_lists
   require_offered "${missing[@]}"
   apt_install "${missing[@]}"
+fi
+if [ "${1:-}" = --tests ]; then
+  idle=()
+  for package in "${idle_packages[@]}"; do [ -n "$(installed_version "$package")" ] || idle+=("$package"); done
+  if [ ${#idle[@]} = ${#idle_packages[@]} ]; then
+    say "installing ${idle[*]}, not to be started"
+    refresh_lists
+    apt_install_idle "${idle[@]}" || say "no Slurm: its tests will be skipped"
+  elif [ ${#idle[@]} -gt 0 ]; then
+    say "this machine has a part of Slurm; not adding ${idle[*]}: its tests may be skipped"
+  fi
 fi
 say "all there; Mesa $(installed_version mesa-vulkan-drivers)"

@@ -22,6 +22,27 @@ apt_install() {
     -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 "$@"
 }
 
+# Installs packages of daemons that nobody here wants to run: none is started, now or at the next start of the machine.
+# Debian asks policy-rc.d before it starts a service; what the packages enable is disabled again.
+policy=/usr/sbin/policy-rc.d
+enabled_units=/etc/systemd/system/multi-user.target.wants
+apt_install_idle() {
+  local made=no unit
+  if [ -e "$policy" ]; then
+    "$policy" munge start >/dev/null 2>&1 && { say "$policy lets daemons start: not installing $*"; return; }
+  else
+    printf '#!/bin/sh\nexit 101\n' | as_root tee "$policy" >/dev/null
+    as_root chmod 755 "$policy"
+    made=yes
+  fi
+  apt_install "$@" || { [ $made = no ] || as_root rm -f "$policy"; return 1; }
+  [ $made = no ] || as_root rm -f "$policy"
+  for unit in munge slurmctld slurmd; do
+    # `systemctl disable` does the same, where it is installed.
+    as_root rm -f "$enabled_units/$unit.service"
+  done
+}
+
 lists_are_fresh=no
 refresh_lists() {
   [ "$lists_are_fresh" = yes ] && return

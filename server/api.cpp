@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "base/log_fields.hpp"
@@ -35,6 +36,23 @@ std::uint64_t content_length(const httplib::Request& request) {
     throw HttpError(400, "the request is malformed", "Content-Length is no number", "header Content-Length");
   }
   return *length;
+}
+
+// Of the viewer.
+void send_web_file(const httplib::Request& request, httplib::Response& response) {
+  const std::string path =
+      request.path == "/" ? "index.html" : request.path.substr(std::min<std::size_t>(1, request.path.size()));
+  const auto& files = web::files();
+  const auto file = std::ranges::find_if(files, [&](const EmbeddedFile& one) { return one.path == path; });
+  if (file == files.end())
+    throw HttpError(404, "there is no such page", "see docs/http_api.md for what there is", request.path);
+  response.set_header("ETag", std::string(file->etag));
+  response.set_header("Cache-Control", "no-cache");  // asks each time; the tag makes that cheap
+  if (request.get_header_value("If-None-Match") == file->etag) {
+    response.status = 304;
+  } else {
+    response.set_content(file->content.data(), file->content.size(), std::string(file->media_type));
+  }
 }
 
 }  // namespace
@@ -87,16 +105,17 @@ void Api::route(HttpServer& http) {
   http.set_exception_handler([](const Request&, Response& response, const std::exception_ptr& exception) {
     write_error(response, http_error_from(exception));
   });
-  // Before any body is read: what is refused here costs no more than its header.
+  // Before any body is read: what is refused here costs no more than its header. All is answered from here: the
+  // library's own router tries a regular expression for each operation, and reads bodies into memory.
   http.set_pre_routing_handler([this](const Request& request, Response& response) {
     response.set_header("X-Request-Id", Exchange::current().id());
     try {
       admit(request);
+      dispatch(request, response);
     } catch (...) {
       write_error(response, http_error_from(std::current_exception()));
-      return HandlerResponse::Handled;
     }
-    return HandlerResponse::Unhandled;
+    return HandlerResponse::Handled;
   });
   http.set_expect_100_continue_handler([this](const Request& request, Response& response) {
     try {
@@ -136,11 +155,6 @@ void Api::route(HttpServer& http) {
   route_captures(routes_);
   route_runs(routes_);
   route_nights(routes_);
-  routes_.route_into(http);
-  route_web(http);
-  http.Post(".*", [](const Request& request, Response& response, const httplib::ContentReader&) {
-    write_error(response, HttpError(404, "there is no such page", "nothing takes a POST here", request.path));
-  });
 }
 
 void Api::serve(HttpServer& http) {
@@ -200,12 +214,12 @@ void Api::check_origin(const Request& request) const {
 void Api::admit(const Request& request) {
   RequestContext& context = request_context();
   context = {
-      .begun = std::chrono::steady_clock::now(), .route = routes_.find(request.method, request.path), .caller = {}};
+      .begun = std::chrono::steady_clock::now(), .found = routes_.find(request.method, request.path), .caller = {}};
   check_request(request);
   check_origin(request);
   Right needed = is_reading(request) ? Right::read : Right::admin;
-  if (context.route != nullptr) {
-    needed = context.route->right;
+  if (context.found.route != nullptr) {
+    needed = context.found.route->right;
   } else if (is_reading(request) && !request.path.starts_with("/api/")) {
     needed = Right::none;
   }
@@ -216,7 +230,7 @@ void Api::answered(const Request& request, const Response& response) {
   const Exchange& exchange = Exchange::current();
   if (exchange.waits_for_body()) return;  // it will be answered again
   const RequestContext& context = request_context();
-  const std::string operation = context.route != nullptr ? context.route->id : "other";
+  const std::string operation = context.found.route != nullptr ? context.found.route->id : "other";
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - context.begun;
   metrics_.count(operation, response.status, time.count(), exchange.body_bytes());
   if (!options_.log_requests) return;
@@ -229,23 +243,10 @@ void Api::answered(const Request& request, const Response& response) {
   spdlog::info("answered {} {} with {}", request.method, request.path, response.status);
 }
 
-void Api::route_web(HttpServer& http) {
-  const auto send = [](const EmbeddedFile& file, const Request& request, Response& response) {
-    response.set_header("ETag", std::string(file.etag));
-    response.set_header("Cache-Control", "no-cache");  // asks each time; the tag makes that cheap
-    if (request.get_header_value("If-None-Match") == file.etag) {
-      response.status = 304;
-    } else {
-      response.set_content(file.content.data(), file.content.size(), std::string(file.media_type));
-    }
-  };
-  http.Get(R"(/([a-z0-9_/.-]*))", [send](const Request& request, Response& response) {
-    const std::string path = request.path == "/" ? "index.html" : request.path.substr(1);
-    for (const EmbeddedFile& file : web::files()) {
-      if (file.path == path) return send(file, request, response);
-    }
-    throw HttpError(404, "there is no such page", "see docs/http_api.md for what there is", request.path);
-  });
+void Api::dispatch(const Request& request, Response& response) const {
+  if (const Routes::Handler* handler = request_context().found.handler) return (*handler)(request, response);
+  if (is_reading(request)) return send_web_file(request, response);
+  throw HttpError(404, "there is no such page", "nothing takes a " + request.method + " here", request.path);
 }
 
 }  // namespace subpixel::server

@@ -41,7 +41,7 @@ class Api {
   using Response = httplib::Response;
 
   // api.cpp
-  void route_web(HttpServer& http);
+  void dispatch(const Request& request, Response& response) const;
   // What is refused before the body, whoever would answer.
   void admit(const Request& request);
   void check_request(const Request& request) const;
@@ -86,6 +86,8 @@ class Api {
   RunRecord find_run(const std::string& id) const;
   // api_nights.cpp
   void route_nights(Routes& routes);
+  void route_trends(Routes& routes);
+  void send_trends(const Request& request, bool csv, Response& response) const;
   void send_summary(const NightRecord& night, bool markdown, Response& response) const;
   void list_nights(const Request& request, Response& response) const;
   void send_cell(const NightRecord& night, std::int64_t cell, Response& response) const;

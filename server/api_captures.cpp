@@ -110,7 +110,7 @@ void Api::route_captures(Routes& routes) {
               .id = "get_capture",
               .meaning = "One capture with its summary",
               .answers = {{200, "CaptureWithSummary"}, {404, ""}}},
-             [this](const Request& request, Response& response) { get_capture(request.matches[1], response); });
+             [this](const Request&, Response& response) { get_capture(path_part(0), response); });
   routes.add(
       {.method = "GET",
        .path = "/api/captures/{hash}/file",
@@ -118,7 +118,7 @@ void Api::route_captures(Routes& routes) {
        .meaning = "The file, or with Range a part of it",
        .answers =
            {{200, "application/octet-stream"}, {206, "application/octet-stream"}, {304, ""}, {404, ""}, {416, ""}}},
-      [this](const Request& request, Response& response) { send_capture_file(request, request.matches[1], response); });
+      [this](const Request& request, Response& response) { send_capture_file(request, path_part(0), response); });
   const std::string number = R"({"type":"integer","minimum":0})";
   routes.add({.method = "GET",
               .path = "/api/captures/{hash}/pixel",
@@ -133,18 +133,17 @@ void Api::route_captures(Routes& routes) {
                         {"height", number, "the same"},
                         {"samples", number, "of techniques that do not say how many"},
                         {"reference_samples", number, "0: no reference"}}},
-             [this](const Request& request, Response& response) { send_story(request, request.matches[1], response); });
+             [this](const Request& request, Response& response) { send_story(request, path_part(0), response); });
   const std::string side = R"({"type":"integer","minimum":1,"maximum":2048,"default":)";
-  routes.add(
-      {.method = "GET",
-       .path = "/api/captures/{hash}/frame",
-       .id = "show_frame",
-       .meaning = "A frame's draws in their order, its picture, and which draw each pixel shows",
-       .answers = {{200, "FrameView"}, {400, ""}, {404, ""}},
-       .query = {{"frame", number, "its number"},
-                 {"width", side + "640}", "of the picture, pixels"},
-                 {"height", side + "360}", "the same"}}},
-      [this](const Request& request, Response& response) { send_frame_view(request, request.matches[1], response); });
+  routes.add({.method = "GET",
+              .path = "/api/captures/{hash}/frame",
+              .id = "show_frame",
+              .meaning = "A frame's draws in their order, its picture, and which draw each pixel shows",
+              .answers = {{200, "FrameView"}, {400, ""}, {404, ""}},
+              .query = {{"frame", number, "its number"},
+                        {"width", side + "640}", "of the picture, pixels"},
+                        {"height", side + "360}", "the same"}}},
+             [this](const Request& request, Response& response) { send_frame_view(request, path_part(0), response); });
   routes.add({.method = "POST",
               .path = "/api/captures/{hash}/tags",
               .id = "set_tags",
@@ -152,20 +151,20 @@ void Api::route_captures(Routes& routes) {
               .right = Right::submit,
               .answers = {{200, "Capture"}, {400, ""}, {404, ""}, {415, ""}},
               .body = "Tags"},
-             [this](const Request& request, Response& response) { post_tags(request.matches[1], request, response); });
+             [this](const Request& request, Response& response) { post_tags(path_part(0), request, response); });
   routes.add({.method = "DELETE",
               .path = "/api/captures/{hash}",
               .id = "delete_capture",
               .meaning = "Deletes it with its runs",
               .right = Right::admin,
               .answers = {{204, ""}, {404, ""}, {409, ""}}},
-             [this](const Request& request, Response& response) { delete_capture(request.matches[1], response); });
+             [this](const Request&, Response& response) { delete_capture(path_part(0), response); });
   routes.add({.method = "GET",
               .path = "/api/blobs/{hash}",
               .id = "download_blob",
               .meaning = "An image or map, or with Range a part of it",
               .answers = {{200, "image/*"}, {206, "image/*"}, {304, ""}, {404, ""}, {416, ""}}},
-             [this](const Request& request, Response& response) { send_blob(request, request.matches[1], response); });
+             [this](const Request& request, Response& response) { send_blob(request, path_part(0), response); });
 }
 
 void Api::list_captures(const Request& request, Response& response) const {

@@ -8,6 +8,7 @@
 #include "server/api.hpp"
 #include "server/http_error.hpp"
 #include "server/nightly/summaries.hpp"
+#include "server/nightly/trends.hpp"
 #include "server/request_context.hpp"
 
 namespace subpixel::server {
@@ -15,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::int64_t kMaxListedNights = 200;
+constexpr std::int64_t kMaxListedNights = 200, kMaxTrendNights = 1000;
 constexpr std::size_t kMaxReasonBytes = 500;
 
 // A night in the list: how it ended, without what it measured.
@@ -85,18 +86,19 @@ void Api::route_nights(Routes& routes) {
               .id = "get_night",
               .meaning = "One night with its cells",
               .answers = {{200, "NightWithCells"}, {404, ""}}},
-             [this](const Request& request, Response& response) {
+             [this](const Request&, Response& response) {
                response.set_header("Cache-Control", "no-store");
-               write_json(response, 200, to_json(find_night(request.matches[1])));
+               write_json(response, 200, to_json(find_night(path_part(0))));
              });
+  route_trends(routes);
   for (const bool markdown : {true, false}) {
     routes.add({.method = "GET",
                 .path = markdown ? "/api/nights/{night}/summary.md" : "/api/nights/{night}/summary.xml",
                 .id = markdown ? "get_night_markdown" : "get_night_junit",
                 .meaning = markdown ? "Its summary" : "Its summary as JUnit XML",
                 .answers = {{200, markdown ? "text/markdown" : "application/xml"}, {404, ""}}},
-               [this, markdown](const Request& request, Response& response) {
-                 send_summary(find_night(request.matches[1]), markdown, response);
+               [this, markdown](const Request&, Response& response) {
+                 send_summary(find_night(path_part(0)), markdown, response);
                });
   }
   routes.add({.method = "GET",
@@ -104,8 +106,8 @@ void Api::route_nights(Routes& routes) {
               .id = "get_cell",
               .meaning = "A cell with its frames beside the baseline's",
               .answers = {{200, "Cell"}, {404, ""}}},
-             [this](const Request& request, Response& response) {
-               send_cell(find_night(request.matches[1]), parse_id(request.matches[2]), response);
+             [this](const Request&, Response& response) {
+               send_cell(find_night(path_part(0)), parse_id(path_part(1)), response);
              });
   routes.add({.method = "GET",
               .path = "/api/baselines",
@@ -135,6 +137,54 @@ void Api::route_nights(Routes& routes) {
               .answers = {{200, "Approved"}, {400, ""}, {404, ""}, {415, ""}},
               .body = "Approval"},
              [this](const Request& request, Response& response) { post_baseline(request, response); });
+}
+
+void Api::route_trends(Routes& routes) {
+  const std::vector<QueryMember> query = {
+      {"name", R"({"type":"string"})", "of the nights"},
+      {"capture", R"({"type":"string"})", "of the cell; every cell of the newest night without capture and technique"},
+      {"technique", R"({"type":"string"})", "of the cell"},
+      {"limit", R"({"type":"integer","minimum":1,"maximum":1000,"default":200})", "newest nights of each cell"}};
+  for (const bool csv : {false, true}) {
+    routes.add(
+        {.method = "GET",
+         .path = csv ? "/api/nights/trends.csv" : "/api/nights/trends",
+         .id = csv ? "get_trends_csv" : "get_trends",
+         .meaning = csv ? "Numbers of cells over nights as CSV" : "Numbers of cells over nights, and where they moved",
+         .answers = {{200, csv ? "text/csv" : "Trends"}, {400, ""}, {404, ""}},
+         .query = query},
+        [this, csv](const Request& request, Response& response) { send_trends(request, csv, response); });
+  }
+}
+
+void Api::send_trends(const Request& request, bool csv, Response& response) const {
+  const std::string name = request.get_param_value("name");
+  const std::string capture = request.get_param_value("capture"), technique = request.get_param_value("technique");
+  if (name.empty()) throw HttpError(400, "trends", "the name of the nights is missing", "name");
+  if (capture.empty() != technique.empty())
+    throw HttpError(400, "trends", "a cell has a capture and a technique", capture.empty() ? "capture" : "technique");
+  const auto limit = static_cast<std::uint32_t>(query_number(request, "limit", 1, kMaxTrendNights, 200));
+  std::vector<std::pair<std::string, std::string>> cells;
+  if (capture.empty()) {
+    cells = trend_cells(nights_, name);
+  } else {
+    cells.emplace_back(capture, technique);
+  }
+  json list = json::array();
+  std::string text;
+  bool any = false;
+  for (const auto& [of_capture, of_technique] : cells) {
+    const CellTrend trend = cell_trend(nights_, name, of_capture, of_technique, limit);
+    if (trend.nights.empty()) continue;
+    if (csv) text += to_csv(trend, !any);
+    if (!csv) list.push_back(to_json(trend));
+    any = true;
+  }
+  if (!any) throw HttpError(404, "there is no such trend", "no finished night of this name measured it", name);
+  response.set_header("Cache-Control", "no-store");
+  if (!csv) return write_json(response, 200, {{"trends", list}});
+  response.set_header("Content-Disposition", "attachment; filename=\"trends.csv\"");
+  response.set_content(text, "text/csv; charset=utf-8");
 }
 
 void Api::send_summary(const NightRecord& night, bool markdown, Response& response) const {

@@ -88,9 +88,9 @@ void Api::route_runs(Routes& routes) {
               .id = "get_run",
               .meaning = "One run",
               .answers = {{200, "Run"}, {404, ""}}},
-             [this](const Request& request, Response& response) {
+             [this](const Request&, Response& response) {
                response.set_header("Cache-Control", "no-store");
-               write_json(response, 200, run_json(find_run(request.matches[1])));
+               write_json(response, 200, run_json(find_run(path_part(0))));
              });
   routes.add({.method = "DELETE",
               .path = "/api/runs/{run}",
@@ -98,21 +98,20 @@ void Api::route_runs(Routes& routes) {
               .meaning = "Deletes it with its results",
               .right = Right::admin,
               .answers = {{204, ""}, {404, ""}, {409, ""}}},
-             [this](const Request& request, Response& response) {
-               const std::string id = request.matches[1];
+             [this](const Request&, Response& response) {
+               const std::string id = path_part(0);
                if (store_.delete_run(find_run(id).id) == Store::Deletion::in_use) {
                  throw HttpError(409, "the run can't be deleted", "it is queued or running; cancel it first", id);
                }
                response.status = 204;
              });
-  routes.add(
-      {.method = "POST",
-       .path = "/api/runs/{run}/cancel",
-       .id = "cancel_run",
-       .meaning = "Cancels it",
-       .right = Right::submit,
-       .answers = {{202, "Run"}, {404, ""}, {409, ""}}},
-      [this](const Request& request, Response& response) { cancel_run(find_run(request.matches[1]).id, response); });
+  routes.add({.method = "POST",
+              .path = "/api/runs/{run}/cancel",
+              .id = "cancel_run",
+              .meaning = "Cancels it",
+              .right = Right::submit,
+              .answers = {{202, "Run"}, {404, ""}, {409, ""}}},
+             [this](const Request&, Response& response) { cancel_run(find_run(path_part(0)).id, response); });
   routes.add({.method = "GET",
               .path = "/api/runs/{run}/events",
               .id = "follow_run",
@@ -120,17 +119,16 @@ void Api::route_runs(Routes& routes) {
               .answers = {{200, "text/event-stream"}, {400, ""}, {404, ""}, {503, ""}},
               .query = {{"after", R"({"type":"integer","minimum":0})", "results after this one, as Last-Event-ID"}}},
              [this](const Request& request, Response& response) {
-               send_events(find_run(request.matches[1]).id, request, response);
+               send_events(find_run(path_part(0)).id, request, response);
              });
   for (const bool as_csv : {false, true}) {
-    routes.add({.method = "GET",
-                .path = as_csv ? "/api/runs/{run}/results.csv" : "/api/runs/{run}/results.json",
-                .id = as_csv ? "get_results_csv" : "get_results",
-                .meaning = "What is measured so far",
-                .answers = {{200, as_csv ? "text/csv" : "Results"}, {404, ""}}},
-               [this, as_csv](const Request& request, Response& response) {
-                 send_results(find_run(request.matches[1]), as_csv, response);
-               });
+    routes.add(
+        {.method = "GET",
+         .path = as_csv ? "/api/runs/{run}/results.csv" : "/api/runs/{run}/results.json",
+         .id = as_csv ? "get_results_csv" : "get_results",
+         .meaning = "What is measured so far",
+         .answers = {{200, as_csv ? "text/csv" : "Results"}, {404, ""}}},
+        [this, as_csv](const Request&, Response& response) { send_results(find_run(path_part(0)), as_csv, response); });
   }
   const QueryMember cost{"cost", R"({"type":"string","enum":["time","ratio","memory"],"default":"time"})", "across"};
   const QueryMember error{"error", R"({"type":"string","enum":["mse","flip"],"default":"mse"})", "up"};
@@ -184,7 +182,7 @@ replay::Results Api::measured(const RunRecord& run) const {
 }
 
 void Api::send_plots(const Request& request, const std::string& kind, Response& response) const {
-  const RunRecord run = find_run(request.matches[1]);
+  const RunRecord run = find_run(path_part(0));
   const std::vector<replay::Summary> summaries = replay::summarise(measured(run));
   response.set_header("Cache-Control", "no-store");
   const auto name_file = [&](const std::string& name) {
@@ -203,7 +201,7 @@ void Api::send_plots(const Request& request, const std::string& kind, Response& 
 }
 
 void Api::send_advice(const Request& request, Response& response) const {
-  const RunRecord run = find_run(request.matches[1]);
+  const RunRecord run = find_run(path_part(0));
   replay::ErrorBudget budget;
   budget.max_flip = query_amount(request, "max_flip");
   budget.max_mse = query_amount(request, "max_mse");

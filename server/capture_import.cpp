@@ -16,6 +16,7 @@
 #include "base/failure.hpp"
 #include "base/json_document.hpp"
 #include "base/printable.hpp"
+#include "base/python_interpreter.hpp"
 #include "server/http_error.hpp"
 
 namespace subpixel::server {
@@ -90,7 +91,7 @@ void CaptureImport::run(const std::filesystem::path& model, const std::string& k
   if (limits.address_space_bytes != 0) limits.address_space_bytes = std::min(limits.address_space_bytes, kMostMemory);
   limits.file_bytes = largest_bytes;
   limits.confinement = confined(worker, {model.parent_path()}, {folder_ / "out"});
-  limits.confinement->runs_programs = is_frame;
+  if (is_frame) limits.confinement->interpreter = python_interpreter();
   limits.environment.push_back("TMPDIR=" + (folder_ / "out").string());
 
   std::string error;

@@ -12,7 +12,7 @@ namespace subpixel::server {
 
 struct RequestContext {
   std::chrono::steady_clock::time_point begun;
-  const Route* route = nullptr;       // of the table; none for the viewer's files and what there is not
+  Routes::Found found;                // of the table; nothing for the viewer's files and what there is not
   std::optional<TokenRecord> caller;  // none where no token is required
   std::optional<std::int64_t> run;    // that the request made, or was answered with
 };
@@ -20,6 +20,11 @@ struct RequestContext {
 inline RequestContext& request_context() {
   thread_local RequestContext context;
   return context;
+}
+
+// The value of the path's name `index`, from 0, of the route that answers.
+inline const std::string& path_part(std::size_t index) {
+  return request_context().found.parts.at(index);
 }
 
 }  // namespace subpixel::server

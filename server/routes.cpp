@@ -1,5 +1,6 @@
 #include "server/routes.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <utility>
 
@@ -19,18 +20,13 @@ std::vector<std::string> parts_of(const std::string& path) {
   return parts;
 }
 
-std::string pattern_of(const std::string& path) {
-  std::string pattern;
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    if (path[i] == '{') {
-      const std::size_t close = path.find('}', i);
-      pattern += path.compare(i, close - i + 1, "{hash}") == 0 ? "([0-9a-f]{32})" : "([0-9]{1,18})";
-      i = close;
-    } else {
-      pattern += path[i] == '.' ? "\\." : std::string(1, path[i]);
-    }
-  }
-  return pattern;
+bool is_hash(std::string_view text) {
+  return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+// At most 18 digits, so that it fits into 64 bits.
+bool is_number(std::string_view text) {
+  return !text.empty() && text.size() <= 18 && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
 json content_of(const std::string& body) {
@@ -79,33 +75,37 @@ std::string lower_case(std::string text) {
 
 }  // namespace
 
-void Routes::add(Route route, httplib::Server::Handler handler) {
-  patterns_.emplace_back(pattern_of(route.path));
+std::optional<std::vector<std::string>> path_parts(std::string_view form, std::string_view path) {
+  std::vector<std::string> parts;
+  while (!form.empty()) {
+    const std::size_t open = std::min(form.find('{'), form.size());
+    if (path.substr(0, open) != form.substr(0, open)) return std::nullopt;
+    path.remove_prefix(open);
+    form.remove_prefix(open);
+    if (form.empty()) break;
+    const std::string_view part = path.substr(0, path.find_first_of("/."));
+    const bool hash = form.starts_with("{hash}");
+    if (!(hash ? is_hash(part) : is_number(part))) return std::nullopt;
+    parts.emplace_back(part);
+    path.remove_prefix(part.size());
+    form.remove_prefix(form.find('}') + 1);
+  }
+  if (!path.empty()) return std::nullopt;
+  return parts;
+}
+
+void Routes::add(Route route, Handler handler) {
   routes_.push_back(std::move(route));
   handlers_.push_back(std::move(handler));
 }
 
-const Route* Routes::find(const std::string& method, const std::string& path) const {
-  const std::string wanted = method == "HEAD" ? "GET" : method;
+Routes::Found Routes::find(std::string_view method, std::string_view path) const {
+  const std::string_view wanted = method == "HEAD" ? "GET" : method;
   for (std::size_t i = 0; i < routes_.size(); ++i) {
-    if (routes_[i].method == wanted && std::regex_match(path, patterns_[i])) return &routes_[i];
+    if (routes_[i].method != wanted) continue;
+    if (auto parts = path_parts(routes_[i].path, path)) return {&routes_[i], &handlers_[i], std::move(*parts)};
   }
-  return nullptr;
-}
-
-void Routes::route_into(httplib::Server& http) const {
-  for (std::size_t i = 0; i < routes_.size(); ++i) {
-    const std::string pattern = pattern_of(routes_[i].path);
-    if (routes_[i].method == "GET") {
-      http.Get(pattern, handlers_[i]);
-    } else if (routes_[i].method == "DELETE") {
-      http.Delete(pattern, handlers_[i]);
-    } else {
-      // The library would read the body into memory otherwise; ours is in the exchange (http_exchange.hpp).
-      http.Post(pattern, [handler = handlers_[i]](const httplib::Request& request, httplib::Response& response,
-                                                  const httplib::ContentReader&) { handler(request, response); });
-    }
-  }
+  return {};
 }
 
 json Routes::description(const std::string& version) const {

@@ -5,8 +5,9 @@
 #include <httplib.h>
 
 #include <nlohmann/json.hpp>
-#include <regex>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/store/tokens.hpp"
@@ -35,21 +36,28 @@ struct Route {
   std::string body = {};  // as an answer's
 };
 
+// The values of the path's names, in their order; nothing where `path` is not of that form.
+std::optional<std::vector<std::string>> path_parts(std::string_view form, std::string_view path);
+
 class Routes {
  public:
-  // The handler finds the path's parts in `request.matches`, in their order.
-  void add(Route route, httplib::Server::Handler handler);
-  // Nothing for a path that is not in the table.
-  const Route* find(const std::string& method, const std::string& path) const;
-  void route_into(httplib::Server& http) const;
+  using Handler = httplib::Server::Handler;
+  struct Found {
+    const Route* route = nullptr;  // none for a path that is not in the table
+    const Handler* handler = nullptr;
+    std::vector<std::string> parts;
+  };
+
+  // The handler finds the path's parts by path_part() (request_context.hpp).
+  void add(Route route, Handler handler);
+  Found find(std::string_view method, std::string_view path) const;
   const std::vector<Route>& all() const { return routes_; }
   // OpenAPI 3.1.
   nlohmann::json description(const std::string& version) const;
 
  private:
   std::vector<Route> routes_;
-  std::vector<httplib::Server::Handler> handlers_;
-  std::vector<std::regex> patterns_;
+  std::vector<Handler> handlers_;
 };
 
 }  // namespace subpixel::server

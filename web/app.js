@@ -10,6 +10,7 @@ const routes = [
   [/^#\/runs$/, async () => (await import('./runs_page.js')).runsPage(), 'runs'],
   [/^#\/runs\/(\d+)$/, async (id) => (await import('./run_page.js')).runPage(Number(id)), 'runs'],
   [/^#\/nights$/, async () => (await import('./nights_page.js')).nightsPage(), 'nights'],
+  [/^#\/trends$/, async () => (await import('./trends_page.js')).trendsPage(), 'nights'],
   [/^#\/nights\/(\d+)$/, async (id) => (await import('./night_page.js')).nightPage(Number(id)), 'nights'],
 ];
 

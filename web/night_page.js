@@ -8,6 +8,7 @@ import {setKeys} from './keys.js';
 import {layerOf} from './run_layers.js';
 import {countsText, nightLength} from './nights_page.js';
 import {statusPill} from './runs_page.js';
+import {trendAddress} from './trends_page.js';
 import {viewHints, viewKeys} from './view_input.js';
 
 const marks = {passed: '✓', failed: '✕', missing: '∅', new: '+', unjudged: '·'};
@@ -39,7 +40,7 @@ class NightPage {
     this.#drawGrid();
     const machine = night.captures.find((capture) => capture.head)?.head;
     const facts = [
-      ['started', when(night.started_utc)], ['took', nightLength(night)], ['build', night.build],
+      ['started', when(night.started_utc)], ['took', nightLength(night)], ['build', night.build], night.commit && ['commit', night.commit.slice(0, 12)],
       ['compared with', night.baseline_night ? [`${night.baseline}, `, h('a', {href: `#/nights/${night.baseline_night}`}, `night ${night.baseline_night}`)] : `nothing: ${night.baseline} is not approved yet`],
       machine && ['driver', machine.driver_version], machine && ['CPU', machine.cpu_model],
     ].filter(Boolean);
@@ -54,8 +55,9 @@ class NightPage {
         h('a.button', {href: `/api/nights/${night.id}/summary.xml`, download: `night-${night.id}.xml`}, 'JUnit'),
         h('a.button', {href: `/api/nights/${night.id}`, download: `night-${night.id}.json`}, 'JSON')),
       this.#grid,
+      night.times && h('p.quiet.note', {}, night.times),
       h('p.quiet.note', {}, '✓ as the baseline, ✕ a gate failed, + not in the baseline, ∅ only in the baseline'),
-      this.#cell);
+      this.#cell, againstSections(night.facts?.against));
   }
 
   close() {
@@ -142,7 +144,8 @@ class NightPage {
     };
     replace(this.#cell,
       h('div.section-head', {}, h('h2', {}, `${details.capture}, ${details.technique}`), statusPill(details.status),
-        details.frames.length > 1 && field('frame', frames), field('and of', nights)),
+        details.frames.length > 1 && field('frame', frames), field('and of', nights),
+        h('span.spacer', {}), h('a.button', {href: trendAddress(this.#night.name, details.capture, details.technique)}, 'Trend')),
       gatesTable(details.gates), pictures, scale, figures, this.#view.element);
     // The first frame that differs says most.
     const first = Math.max(0, details.frames.findIndex((frame) => frame.difference));
@@ -181,6 +184,43 @@ class NightPage {
     add(frame?.tonight, 'tonight', ['error', 'shading']);
     return layers.filter(Boolean);
   }
+}
+
+// Today's capture of a tag against yesterday's.
+function againstSections(against) {
+  return Object.entries(against ?? {}).map(([capture, summary]) => h('section.against', {}, h('h2', {}, `${capture}: today against yesterday`),
+    summary.problem ? h('p.problem', {}, summary.problem) : summary.same ? h('p.quiet', {}, 'The same is drawn.') : againstBody(summary)));
+}
+
+function againstBody(summary) {
+  const {draws} = summary;
+  const changed = (name) => `${summary[name].changed} ${name}`;
+  const both = ({before, now}) => (before === null || now === null ? '–' : `${significant(before, 4)} → ${significant(now, 4)}${before ? `, ${now >= before ? '+' : ''}${fixed(100 * (now / before - 1), 1)}%` : ''}`);
+  const titles = {fitted_bytes_per_pixel: 'Bytes per pixel', executions: 'Lighting executions', 'error.mse': 'MSE', 'error.flip_mean': 'FLIP, mean'};
+  const techniques = summary.techniques ?? [];
+  return [
+    h('p', {}, `Draws ${draws.before} → ${draws.after}: ${draws.equal} equal, ${draws.added} added, ${draws.gone} gone, ${draws.changed} changed (${draws.moved} moved); changed: ${['meshes', 'materials', 'textures'].map(changed).join(', ')}.`,
+      summary.triangles && ` Triangles ${count(summary.triangles.before)} → ${count(summary.triangles.after)}.`),
+    techniques.length > 0 && h('div.scroll', {tabindex: 0, role: 'region', 'aria-label': 'What was measured of both'}, h('table', {}, h('thead', {}, h('tr', {}, h('th', {scope: 'col'}, 'Technique'), Object.values(titles).map((title) => h('th.number', {scope: 'col'}, title)))),
+      h('tbody', {}, techniques.map(({technique, numbers}) => h('tr', {}, h('th', {scope: 'row'}, technique), Object.keys(titles).map((name) => h('td.number', {}, both(numbers[name])))))))),
+    dayPictures(techniques),
+    summary.list.length > 0 && h('details', {open: summary.list.length <= 12}, h('summary', {}, 'Draws that changed'), h('div.scroll', {tabindex: 0, role: 'region', 'aria-label': 'Draws that changed'}, h('table', {}, h('thead', {}, h('tr', {}, ['Frame', 'Draw', 'What', 'Details'].map((name) => h('th', {scope: 'col'}, name)))),
+      h('tbody', {}, summary.list.map(({frame, draw, what, details}) => h('tr', {}, h('td', {}, frame), h('th', {scope: 'row'}, draw), h('td', {}, what), h('td', {}, details)))))),
+      summary.unlisted > 0 && h('p.quiet', {}, `And ${summary.unlisted} more.`)),
+  ];
+}
+
+function dayPictures(techniques) {
+  const shown = techniques.filter(({frames}) => frames.some(({difference}) => difference));
+  if (shown.length === 0) return null;
+  const pictures = h('div', {});
+  const draw = ({frames}) => {
+    const frame = frames.find(({difference}) => difference);
+    replace(pictures, h('p.quiet.note', {}, `Frame ${frame.frame}`), h('div.pictures', {}, picture('yesterday', frame.yesterday, ''), picture('today', frame.today, ''), picture('difference', frame.difference, '')));
+  };
+  const choice = h('select', {onchange: () => draw(shown[choice.selectedIndex])}, shown.map(({technique}) => h('option', {}, technique)));
+  draw(shown[0]);
+  return [h('div.choices', {}, field('Pictures by', choice)), pictures];
 }
 
 function picture(title, blob, absent) {

@@ -17,7 +17,7 @@ function nightsTable(nights, approved) {
   h('tbody', {}, nights.map((night) => h('tr', {},
     h('td', {}, h('a', {href: `#/nights/${night.id}`}, `#${night.id}`),
       approved.filter((baseline) => baseline.night === night.id).map((baseline) => h('span.label', {}, `baseline ${baseline.name}`))),
-    h('td', {}, night.name),
+    h('td', {}, night.name, ' ', h('a.quiet', {href: `#/trends?${new URLSearchParams({name: night.name})}`, 'aria-label': `Trends of ${night.name}`}, 'trends')),
     h('td', {}, statusPill(night.status)),
     h('td', {}, countsText(night.counts)),
     h('td', {}, night.baseline_night ? [`${night.baseline} `, h('a', {href: `#/nights/${night.baseline_night}`}, `#${night.baseline_night}`)] : h('span.quiet', {}, 'nothing')),

@@ -8,7 +8,7 @@ import {axes, colours, s, svgText, tickText} from './svg.js';
 
 let library = null;
 // Fetched when the first plot is drawn: the first page does without.
-function loadPlots() {
+export function loadPlots() {
   library ??= new Promise((resolve, reject) => {
     document.head.append(h('link', {rel: 'stylesheet', href: '/uplot.min.css'}),
       // It has run in a task of its own when the first plot is made.

@@ -69,6 +69,9 @@ Sampler RecordReader::sampler(FieldReader& in) const {
   sampler.magnify = in.get<TexelFilter>("sampler.magnify");
   sampler.minify = in.get<TexelFilter>("sampler.minify");
   sampler.mip = in.get<MipFilter>("sampler.mip");
+  if (version_ < 3 && sampler.mip > MipFilter::none) {
+    in.fail("sampler.mip", std::to_string(static_cast<std::uint32_t>(sampler.mip)) + " is no mip filter of version 2");
+  }
   return sampler;
 }
 

@@ -3,7 +3,7 @@ import math
 
 from . import layout
 from .errors import CaptureError
-from .model import NONE, AlphaMode, ClipDepth, IndexType, TextureEncoding, Topology, VertexFormat
+from .model import NONE, AlphaMode, ClipDepth, IndexType, MipFilter, TextureEncoding, Topology, VertexFormat
 from .streams import element_bytes, index_bytes, most_triangles, raw_indices, restart_index
 
 _COLOUR_FORMATS = (VertexFormat.FLOAT32X3, VertexFormat.FLOAT32X4, VertexFormat.FLOAT16X4, VertexFormat.UNORM8X4,
@@ -66,7 +66,7 @@ class Checker:
         self.enumeration("sampler.wrap_v", sampler.wrap_v, 2, "wrap")
         self.enumeration("sampler.magnify", sampler.magnify, 1, "texel filter")
         self.enumeration("sampler.minify", sampler.minify, 1, "texel filter")
-        self.enumeration("sampler.mip", sampler.mip, 2, "mip filter")
+        self.enumeration("sampler.mip", sampler.mip, MipFilter.NEAREST_OF_MEANS, "mip filter")
         self.enumeration("encoding", texture.encoding, TextureEncoding.IMAGE_FILE, "texture encoding")
         if texture.encoding == TextureEncoding.IMAGE_FILE:
             self.require(texture.width == 0 and texture.height == 0, "width", "set on a texture that is an image file")

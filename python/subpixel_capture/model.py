@@ -17,7 +17,7 @@ class TexelFilter:
 
 
 class MipFilter:
-    LINEAR, NEAREST, NONE = 0, 1, 2
+    LINEAR, NEAREST, NONE, LINEAR_OF_MEANS, NEAREST_OF_MEANS = 0, 1, 2, 3, 4
 
 
 class AlphaMode:

@@ -4,8 +4,8 @@ import struct
 from . import codecs, layout
 from .checks import Checker
 from .errors import CaptureError
-from .model import (Buffer, Capture, DirectionalLight, Draw, Frame, IndexType, Material, Metadata, PointLight, Sampler, SpotCone,
-                    Texture, UvMapping, VertexStream)
+from .model import (Buffer, Capture, DirectionalLight, Draw, Frame, IndexType, Material, Metadata, MipFilter, PointLight,
+                    Sampler, SpotCone, Texture, UvMapping, VertexStream)
 
 _WHAT = "the capture can't be read"
 
@@ -308,6 +308,8 @@ class _CaptureReader:
         if self.file.version >= 2:
             names = ("wrap_u", "wrap_v", "magnify", "minify", "mip")
             texture.sampler = Sampler(**dict(zip(names, fields.get("5I", "sampler"))))
+            if self.file.version < 3 and texture.sampler.mip > MipFilter.NONE:
+                fields.fail("sampler.mip", "{} is no mip filter of version 2".format(texture.sampler.mip))
         return texture
 
     def read(self):

@@ -9,7 +9,7 @@ import zlib
 from . import codecs, layout
 from .checks import check_capture
 from .errors import CaptureError
-from .model import NONE, IndexType, Topology
+from .model import NONE, IndexType, MipFilter, Topology
 
 _NO_STREAM = struct.pack("<IIQI", 0xFFFFFFFF, 1, 0, 0)
 
@@ -82,7 +82,10 @@ def _stream(out, stream):
 
 
 def _needed_version(capture):
-    """2, or 3 where a draw is a strip or fan, has indices of 8 bits or a format that version 2 lacks."""
+    """2, or 3 where a draw is a strip or fan, has indices of 8 bits or a format that version 2 lacks, or the levels of
+    a texture are means."""
+    if any(texture.sampler.mip > MipFilter.NONE for texture in capture.textures):
+        return 3
     for frame in capture.frames:
         for draw in frame.draws:
             streams = (draw.position, draw.normal, draw.uv, draw.tangent, draw.uv2, draw.colour)

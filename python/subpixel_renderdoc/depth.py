@@ -107,25 +107,38 @@ def distance_capture(capture, number):
         copy = spcap.Draw(**dict((n, getattr(draw, n)) for n, _ in spcap.Draw.DEFAULTS))
         copy.instance_buffer, copy.instance_offset, copy.instance_count = spcap.NONE, 0, 1
         copy.transform, copy.material = place, materials[key]
+        alphas = _alphas(capture, draw) if out.materials[materials[key]].alpha_mode else [1.0] * len(distances)
         if min(distances) < 0:
-            distances = _clipped(capture, out, copy, distances)
-        shades = struct.pack("<%df" % (3 * len(distances)), *[s for d in distances for s in (d / furthest,) * 3])
-        copy.colour = spcap.VertexStream(buffer=len(out.buffers), format=1, stride=12)
+            distances, alphas = _clipped(capture, out, copy, distances, alphas)
+        shades = struct.pack("<%df" % (4 * len(distances)), *[
+            s for d, alpha in zip(distances, alphas) for s in (d / furthest,) * 3 + (alpha,)])
+        copy.colour = spcap.VertexStream(buffer=len(out.buffers), format=2, stride=16)
         out.buffers.append(spcap.Buffer(name="distances", bytes=shades))
         made.draws.append(copy)
     out.frames.append(made)
     return out, furthest
 
 
-def _clipped(capture, out, draw, distances):
-    """The draw's triangles cut where the eye is, as no colour is negative: the distances of its new vertices."""
+def _alphas(capture, draw):
+    """What the draw's vertices multiply the alpha by."""
+    if draw.colour.buffer != spcap.NONE:
+        values = spcap.stream_values(capture, draw.colour, draw.vertex_count)
+        if len(values) and len(values[0]) == 4:
+            return [float(v[3]) for v in values]
+    return [1.0] * draw.vertex_count
+
+
+def _clipped(capture, out, draw, distances, alphas):
+    """The draw's triangles cut where the eye is, as no colour is negative: the distances and alphas of its new
+    vertices."""
     def stream(held, count):
         if held.buffer == spcap.NONE:
             return [(0.0,) * count] * draw.vertex_count
         values = [tuple(map(float, v))[:count] for v in spcap.stream_values(capture, held, draw.vertex_count)]
         return [v + (0.0,) * (count - len(v)) for v in values]
 
-    numbers = [p + uv + (d,) for p, uv, d in zip(stream(draw.position, 3), stream(draw.uv, 2), distances)]
+    numbers = [p + uv + (d, alpha) for p, uv, d, alpha in zip(
+        stream(draw.position, 3), stream(draw.uv, 2), distances, alphas)]
     corners = range(draw.vertex_count)
     if draw.index_buffer != spcap.NONE:
         letter = "H" if draw.index_type == spcap.IndexType.UINT16 else "I"
@@ -139,17 +152,18 @@ def _clipped(capture, out, draw, distances):
                 kept.append(a)
             if (a[5] >= 0) != (b[5] >= 0):
                 u = a[5] / (a[5] - b[5])
-                kept.append(tuple(x + u * (y - x) for x, y in zip(a, b))[:5] + (0.0,))
+                cut = tuple(x + u * (y - x) for x, y in zip(a, b))
+                kept.append(cut[:5] + (0.0, cut[6]))
         for i in range(1, len(kept) - 1):
             made += [kept[0], kept[i], kept[i + 1]]
-    made = made or [numbers[0][:5] + (0.0,)] * 3
+    made = made or [numbers[0][:5] + (0.0, 1.0)] * 3
     draw.position = spcap.VertexStream(buffer=len(out.buffers), format=1, stride=20)
     draw.uv = spcap.VertexStream(buffer=len(out.buffers), format=0, offset=12, stride=20)
     out.buffers.append(spcap.Buffer(name="clipped", bytes=struct.pack("<%df" % (5 * len(made)), *[
         x for vertex in made for x in vertex[:5]])))
     draw.normal, draw.tangent = spcap.VertexStream(), spcap.VertexStream()
     draw.vertex_count, draw.index_type, draw.index_buffer, draw.index_count = len(made), 0, spcap.NONE, len(made)
-    return [vertex[5] for vertex in made]
+    return [vertex[5] for vertex in made], [vertex[6] for vertex in made]
 
 
 def _whitened(capture, out, number, known):

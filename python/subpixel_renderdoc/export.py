@@ -172,42 +172,44 @@ class FrameExport:
         coloured = [key for key in groups if has_colour(key)] or list(groups)
         largest = max(area(key) for key in coloured)
         near = [key for key in coloured if 4 * area(key) >= largest] or coloured
-        self.depth_target = best = self._most_depth_writing(dict((key, groups[key]) for key in near))
+        self.depth_target = best = self._look_at_most_depth_writing(dict((key, groups[key]) for key in near))
+        self._place_in_viewport(groups[best])
         others = len(draws) - len(groups[best])
         if others:
             self.notices.say("left out: {} draws to other targets or without depth (shadows, post passes, HUD)".format(
                 others))
-        self._look(groups[best])
         return groups[best]
 
-    def _most_depth_writing(self, groups):
-        """The key of the entries that most triangles are written to depth by. What a draw writes is known when the
-        replay stands at it, which costs a replay: corners are no fewer, so those of most corners are asked first, and
-        those that can't win any more are not."""
+    def _look_at_most_depth_writing(self, groups):
+        """The key of the entries that most triangles are written to depth by, which have been looked at. What a draw
+        writes is known when the replay stands at it, which costs a replay, so everything is asked then. Corners are
+        no fewer: those of most corners are asked first, and those that can't win any more are not."""
         def most(entries):
             return sum(e.action.numIndices * max(e.action.numInstances, 1) for e in entries)
 
-        order = sorted(groups, key=lambda key: -most(groups[key]))
-        if len(order) == 1:
-            return order[0]
-        best, written = order[0], -1
-        for key in order:
+        best, written, notices = None, -1, self.notices
+        for key in sorted(groups, key=lambda key: -most(groups[key])):
             if most(groups[key]) <= written:
                 break
-            count = 0
-            for entry in groups[key]:
-                self.replay.go_to(entry.action)
-                entry.state = state = self.replay.state()
-                if state.depth_write and state.topology is not None:
-                    each = entry.action.numIndices // 3 if state.topology == "list" else entry.action.numIndices - 2
-                    count += max(each, 0) * max(entry.action.numInstances, 1)
+            self.notices = Notices()
+            self._look(groups[key])
+            count = sum(self._written(entry) for entry in groups[key])
             if count > written:
-                best, written = key, count
+                best, written, notices = key, count, self.notices
+        self.notices = notices
         return best
+
+    @staticmethod
+    def _written(entry):
+        """How many triangles a draw that was looked at writes to depth, hidden ones too."""
+        action, state = entry.action, entry.state
+        if not state.depth_write or state.topology is None:
+            return 0
+        each = action.numIndices // 3 if state.topology == "list" else action.numIndices - 2
+        return max(each, 0) * max(action.numInstances, 1)
 
     def _look(self, entries):
         """Asks everything about each draw in one visit."""
-        viewports = {}
         for done, entry in enumerate(entries):
             self.replay.go_to(entry.action)
             entry.state = state = self.replay.state()
@@ -225,8 +227,6 @@ class FrameExport:
                 entry.role = "prepass"
             elif not state.depth_write:
                 entry.role = "layer"
-            key = state.viewport
-            viewports[key] = viewports.get(key, 0) + entry.triangles() * (entry.role != "layer")
             self._inputs(entry)
             self._shading(entry)
             entry.matrices = self.replay.matrices()
@@ -236,23 +236,29 @@ class FrameExport:
                     self.notices.draw("approximated: instances from {} on are missing".format(instance), entry.name)
                     break
                 entry.instances.append(other)
-        if viewports:
-            self.viewport = max(viewports, key=viewports.get)
-            writing = [e for e in entries if e.mesh is not None and e.state.depth_write] or [
-                e for e in entries if e.mesh is not None]
-            self.typical = max(writing, key=Entry.triangles).state
-            for entry in entries:
-                if entry.mesh is None:
-                    continue
-                if entry.state.viewport[:4] != self.viewport[:4]:
+
+    def _place_in_viewport(self, entries):
+        """Finds the viewport that most triangles are drawn to, and drops the draws to others."""
+        taken = [e for e in entries if e.mesh is not None]
+        if not taken:
+            return
+        viewports = {}
+        for entry in taken:
+            key = entry.state.viewport
+            viewports[key] = viewports.get(key, 0) + entry.triangles() * (entry.role != "layer")
+        self.viewport = max(viewports, key=viewports.get)
+        writing = [e for e in taken if e.state.depth_write] or taken
+        self.typical = max(writing, key=Entry.triangles).state
+        for entry in taken:
+            if entry.state.viewport[:4] != self.viewport[:4]:
+                entry.mesh = None
+                self.notices.draw("left out: drawn to another part of the target", entry.name)
+            elif entry.state.viewport[4:] != self.viewport[4:]:
+                if entry.state.viewport[4] == entry.state.viewport[5]:
                     entry.mesh = None
-                    self.notices.draw("left out: drawn to another part of the target", entry.name)
-                elif entry.state.viewport[4:] != self.viewport[4:]:
-                    if entry.state.viewport[4] == entry.state.viewport[5]:
-                        entry.mesh = None
-                        self.notices.draw("left out: drawn at one depth (sky)", entry.name)
-                    else:
-                        self.notices.draw("approximated: drawn with a depth range of its own", entry.name)
+                    self.notices.draw("left out: drawn at one depth (sky)", entry.name)
+                else:
+                    self.notices.draw("approximated: drawn with a depth range of its own", entry.name)
 
     @staticmethod
     def _refusal(state):
@@ -856,7 +862,7 @@ def export_files(paths, out, options=None):
     options = options or Options()
     # No pixel is looked at, and nearly all of a replay's time goes to them where the CPU draws: Mesa's software
     # drivers leave them out when asked to, others know nothing of it.
-    os.environ.setdefault("LP_PERF", "no_shade,no_depth")
+    os.environ.setdefault("LP_NO_RAST", "1")
     rd = renderdoc_module()
     rd.InitialiseReplay(rd.GlobalEnvironment(), [])
     try:

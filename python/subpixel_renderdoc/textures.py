@@ -7,7 +7,7 @@ where the driver is told to leave pixels out (cli/renderdoc_import.cpp).
 import re
 import struct
 
-from subpixel_capture import Sampler, Texture, TextureEncoding
+from subpixel_capture import MipFilter, Sampler, Texture, TextureEncoding
 
 from .formats import AttributeFormat
 
@@ -17,6 +17,7 @@ try:
 except ImportError:  # qrenderdoc's own Python has none
     pass
 
+_OF_MEANS = {MipFilter.LINEAR: MipFilter.LINEAR_OF_MEANS, MipFilter.NEAREST: MipFilter.NEAREST_OF_MEANS}
 ROLES = ("base_colour", "normal", "metallic_roughness", "emissive")
 
 # By name, first match first; slots in their order where no name tells.
@@ -70,6 +71,8 @@ def read(replay, resource, role, sampler):
     srgb = role in ("base_colour", "emissive")
     texture = Texture(srgb=srgb, sampler=Sampler(**dict(zip(("wrap_u", "wrap_v", "magnify", "minify", "mip"), sampler)))
                       if sampler else Sampler())
+    if role == "base_colour":  # alpha tests read levels that applications rarely make for them
+        texture.sampler.mip = _OF_MEANS.get(texture.sampler.mip, texture.sampler.mip)
     kinds = rd.ResourceFormatType
     if max(description.width, description.height) > 16384:
         return None, "larger than 16384 texels"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/work_counter.hpp"
 #include "replay/frame/pixel_story.hpp"
 #include "replay/measure/percentiles.hpp"
 
@@ -103,7 +104,19 @@ Timing RecordedFrame::time(std::uint32_t repeat, const std::function<void()>& af
   result.cold_ms = run();
   if (after_cold) after_cold();
   if (repeat > 0) recorder_.clear_timings();
-  for (std::uint32_t i = 0; i < repeat; ++i) recorder_.run();
+  std::vector<double> processor_ms;
+  std::vector<std::uint64_t> instructions;
+  for (std::uint32_t i = 0; i < repeat; ++i) {
+    const WorkDone before = work_done();
+    recorder_.run();
+    const WorkDone after = work_done();
+    processor_ms.push_back(after.processor_ms - before.processor_ms);
+    instructions.push_back(after.instructions - before.instructions);
+  }
+  if (repeat > 0) {
+    result.processor_ms = *std::ranges::min_element(processor_ms);
+    result.instructions = *std::ranges::min_element(instructions);
+  }
   std::vector<double> totals(std::max(repeat, 1u), 0.0);
   for (const auto& timing : recorder_.timings()) {
     result.passes.push_back({timing.name, median(timing.ms)});
@@ -112,6 +125,7 @@ Timing RecordedFrame::time(std::uint32_t repeat, const std::function<void()>& af
   }
   const auto [least, most] = std::minmax_element(totals.begin(), totals.end());
   result.spread_ms = *most - *least;
+  result.least_ms = *least;
   return result;
 }
 

@@ -105,11 +105,7 @@ void PipelineCache::begin(Pipeline& pipeline, const std::string& name, std::func
   const bool alone = device_.instance().listens();
   const auto policy = alone ? std::launch::deferred : std::launch::async;
   pipeline.made_ = std::async(policy, [this, handle, name, make = std::move(make)] {
-                     threads_.acquire();
-                     struct Release {
-                       std::counting_semaphore<>& threads;
-                       ~Release() { threads.release(); }
-                     } const release{threads_};
+                     const Turns::Turn turn(threads_);
                      const Instance::Work work(device_.instance(), "pipeline", name);
                      make(handle);
                      device_.name(VK_OBJECT_TYPE_PIPELINE, *handle, name);

@@ -11,11 +11,11 @@
 #include <future>
 #include <map>
 #include <memory>
-#include <semaphore>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/turns.hpp"
 #include "replay/gpu/device.hpp"
 #include "replay/gpu/shader_interface.hpp"
 #include "shaders/include/interface.h"
@@ -97,7 +97,7 @@ class PipelineCache {
   void begin(Pipeline& pipeline, const std::string& name, std::function<void(VkPipeline*)> make);
 
   Device& device_;
-  std::counting_semaphore<> threads_;
+  Turns threads_;
   UniqueSetLayout push_layout_, material_layout_;
   UniquePipelineLayout layout_;
   std::map<std::string, UniqueShaderModule> modules_;

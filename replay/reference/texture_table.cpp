@@ -19,7 +19,8 @@ std::uint32_t level_bits(const Mipmaps& mipmaps, const capture::Sampler& sampler
   bits |= static_cast<std::uint32_t>(sampler.wrap_v) << LEVEL_WRAP_V_SHIFT;
   if (sampler.magnify == capture::TexelFilter::nearest) bits |= LEVEL_MAGNIFY_NEAREST;
   if (sampler.minify == capture::TexelFilter::nearest) bits |= LEVEL_MINIFY_NEAREST;
-  if (sampler.mip == capture::MipFilter::nearest) bits |= LEVEL_MIP_NEAREST;
+  if (sampler.mip == capture::MipFilter::nearest || sampler.mip == capture::MipFilter::nearest_of_means)
+    bits |= LEVEL_MIP_NEAREST;
   return bits;
 }
 

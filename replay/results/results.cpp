@@ -59,13 +59,22 @@ json timing_to_json(const Timing& timing) {
   const std::vector<std::string> names = unique_pass_names(timing.passes);
   json passes = json::object();
   for (std::size_t i = 0; i < names.size(); ++i) passes[names[i]] = timing.passes[i].median_ms;
-  return {{"total", timing.total_ms}, {"passes", passes}, {"pass_order", names}, {"cold", timing.cold_ms}};
+  return {{"total", timing.total_ms},
+          {"passes", passes},
+          {"pass_order", names},
+          {"cold", timing.cold_ms},
+          {"least", timing.least_ms},
+          {"processor", timing.processor_ms},
+          {"instructions", timing.instructions}};
 }
 
 Timing timing_from_json(const JsonField& field) {
   Timing timing;
   timing.total_ms = field.member("total").number();
   timing.cold_ms = field.has("cold") ? field.member("cold").number() : 0;
+  timing.least_ms = field.has("least") ? field.member("least").number() : 0;
+  timing.processor_ms = field.has("processor") ? field.member("processor").number() : 0;
+  timing.instructions = field.has("instructions") ? field.member("instructions").u64() : 0;
   const JsonField passes = field.member("passes");
   if (field.has("pass_order")) {
     const JsonField order = field.member("pass_order");

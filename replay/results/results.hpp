@@ -24,6 +24,10 @@ struct Timing {
   std::vector<PassTime> passes;  // warm medians in execution order
   double spread_ms = 0;          // largest minus smallest total over the repeats
   double cold_ms = 0;            // first run, which pays the pipeline compilation
+  // The least of the warm runs, which what else the machine does touches least: ms of all passes, processor time of all
+  // threads, and instructions in user space, 0 where they are not counted.
+  double least_ms = 0, processor_ms = 0;
+  std::uint64_t instructions = 0;
 };
 
 struct Memory {

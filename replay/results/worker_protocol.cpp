@@ -7,6 +7,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::uint32_t kMaxRounds = 1000;
+
 json options_to_json(const ReplayOptions& options) {
   json techniques = json::array();
   for (const TechniqueRequest& request : options.techniques) {
@@ -25,8 +27,10 @@ json options_to_json(const ReplayOptions& options) {
               {"reference_samples", options.reference_samples},
               {"point_lights", nullptr},
               {"skip", skip}};
+  if (options.references_only) out["references_only"] = true;
   if (options.frames) out["frames"] = json::array({options.frames->first, options.frames->second});
   if (options.point_lights) out["point_lights"] = *options.point_lights;
+  if (options.rounds > 0) out["rounds"] = options.rounds;
   return out;
 }
 
@@ -61,9 +65,18 @@ ReplayOptions options_from_field(const JsonField& field) {
   if (field.has("point_lights") && !field.member("point_lights").raw().is_null()) {
     options.point_lights = field.member("point_lights").u32();
   }
+  if (field.has("rounds")) {
+    options.rounds = field.member("rounds").u32();
+    if (options.rounds > kMaxRounds) field.member("rounds").fail("there are too many");
+  }
   if (field.has("skip")) {
     const JsonField skip = field.member("skip");
     for (std::size_t i = 0; i < skip.array_size(); ++i) options.skip.push_back(pair_from(skip.element(i)));
+  }
+  if (field.has("references_only")) {
+    const JsonField only = field.member("references_only");
+    if (!only.raw().is_boolean()) only.fail("expected true or false");
+    options.references_only = only.raw().get<bool>();
   }
   return options;
 }

@@ -30,8 +30,13 @@ struct ReplayOptions {
   std::uint32_t repeat = 3;
   std::uint32_t reference_samples = 512;      // 0: no reference, no error
   std::optional<std::uint32_t> point_lights;  // use this many (extra ones are placed in the scene); absent: as recorded
+  // Times without images, maps, shading counts or errors: every technique of a frame in turn, and all of them again,
+  // `rounds` times. 0: the whole replay. Each round reports its results as a replay does.
+  std::uint32_t rounds = 0;
   // Frame x technique results to leave out because they are stored already: "frame/index in `techniques`".
   std::vector<std::pair<std::uint32_t, std::uint32_t>> skip;
+  // No technique is replayed: the references of what is asked for come into the cache, and no result comes out.
+  bool references_only = false;
 };
 
 // The frames, both included, that are asked for of a capture with `frame_count` of them: all where none are named,

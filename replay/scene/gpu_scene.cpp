@@ -89,9 +89,11 @@ gpu::SamplerDescription description_of(const capture::Sampler& sampler) {
     return of == capture::TexelFilter::nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
   };
   // A texture without mipmaps has no other level to read (load_texture()).
+  const bool blends_levels =
+      sampler.mip == capture::MipFilter::linear || sampler.mip == capture::MipFilter::linear_of_means;
   return {filter(sampler.magnify), filter(sampler.minify),
-          sampler.mip == capture::MipFilter::linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST,
-          address_mode(sampler.wrap_u), address_mode(sampler.wrap_v)};
+          blends_levels ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST, address_mode(sampler.wrap_u),
+          address_mode(sampler.wrap_v)};
 }
 
 glm::vec4 vec4_of(const capture::Float3& v, float w = 0) {

@@ -244,8 +244,10 @@ void build_mipmaps(Mipmaps& image, bool alpha_weighted, std::optional<float> alp
 Mipmaps load_texture(const capture::Capture& capture, const TextureUse& use) {
   const auto& texture = capture.textures[use.texture];
   Mipmaps mipmaps = decode_texture(texture);
-  build_mipmaps(mipmaps, use.alpha_weighted, use.alpha_cutoff);
-  if (texture.sampler.mip == capture::MipFilter::none) mipmaps.levels.resize(1);
+  const capture::MipFilter mip = texture.sampler.mip;
+  const bool of_means = mip == capture::MipFilter::linear_of_means || mip == capture::MipFilter::nearest_of_means;
+  build_mipmaps(mipmaps, use.alpha_weighted, of_means ? std::nullopt : use.alpha_cutoff);
+  if (mip == capture::MipFilter::none) mipmaps.levels.resize(1);
   return mipmaps;
 }
 

@@ -27,7 +27,8 @@ Mipmaps decode_texture(const capture::Texture& texture);
 // Adds all levels down to 1x1 by a box filter in linear light, after halving level 0 to fit kMaxTextureSide.
 // `alpha_weighted`: colours are averaged by alpha, so that what is cut away doesn't bleed in, and fully transparent
 // texels take the colour around them. `alpha_cutoff`: each level's alpha is scaled so that as many texels pass the
-// cutoff as at level 0 (Castano, "Computing alpha mipmaps", 2010), or foliage would thin out with distance.
+// cutoff as at level 0 (Castano, "Computing alpha mipmaps", 2010), or foliage would thin out with distance. Not for
+// textures whose sampler says that their levels are means.
 void build_mipmaps(Mipmaps& image, bool alpha_weighted, std::optional<float> alpha_cutoff);
 
 // Both for one use of a captured texture; of one whose sampler knows no other, level 0 alone.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <sstream>
 
@@ -22,9 +23,13 @@ const std::string kWhat = "nightly configuration";
 
 // A replay's limits are replay/results/limits.hpp's; these are of the night itself.
 constexpr replay::Limit kKeepLimit{.name = "keep", .low = 0, .high = 1'000'000, .unit = "nights", .meaning = "kept"};
-constexpr replay::Limit kConfirmLimit{
-    .name = "confirm", .low = 0, .high = 10, .unit = "times", .meaning = "a slower cell is measured again"};
-constexpr std::size_t kMaxNameBytes = 100;
+constexpr replay::Limit kTimeRoundsLimit{
+    .name = "rounds", .low = 3, .high = 50, .unit = "rounds", .meaning = "a cell is measured at most, for its time"};
+constexpr replay::Limit kQuietLimit{
+    .name = "quiet_s", .low = 0, .high = 86'400, .unit = "seconds", .meaning = "since a watched file was written to"};
+constexpr replay::Limit kAttemptsLimit{
+    .name = "attempts", .low = 1, .high = 20, .unit = "times", .meaning = "a webhook is sent"};
+constexpr std::size_t kMaxNameBytes = 100, kMaxAddressBytes = 2000, kMaxReceivers = 50;
 
 constexpr std::string_view kMetrics[] = {"mse", "flip_mean", "flip_p99", "flip_max", "hdr_rel_mse", "flicker"};
 
@@ -125,8 +130,8 @@ CaptureSource read_capture(const JsonField& entry, std::size_t index, const Sett
                            const std::filesystem::path& folder) {
   const std::string path = fmt::format("captures[{}].", index);
   check_names(entry,
-              {"name", "path", "scene", "seed", "density", "tag", "techniques", "also", "samples", "size", "frames",
-               "repeat", "reference_samples", "point_lights"},
+              {"name", "path", "scene", "seed", "density", "tag", "against", "techniques", "also", "samples", "size",
+               "frames", "repeat", "reference_samples", "point_lights"},
               kWhat, path.substr(0, path.size() - 1));
   const int kinds = (entry.has("path") ? 1 : 0) + (entry.has("scene") ? 1 : 0) + (entry.has("tag") ? 1 : 0);
   if (kinds != 1) entry.fail("expected one of path, scene and tag");
@@ -138,6 +143,12 @@ CaptureSource read_capture(const JsonField& entry, std::size_t index, const Sett
     for (const char* name : {"seed", "density"}) {
       if (entry.has(name)) entry.member(name).fail("is of a scene");
     }
+  }
+  if (entry.has("against")) {
+    const JsonField against = entry.member("against");
+    if (!entry.has("tag")) against.fail("is of a tag");
+    if (against.text() != "yesterday") against.fail("expected \"yesterday\"");
+    source.against_yesterday = true;
   }
   if (entry.has("path")) {
     source.kind = SourceKind::path;
@@ -199,7 +210,7 @@ ErrorBound read_bound(const JsonField& field, const std::string& path) {
 }
 
 GateOptions read_gates(const JsonField& field) {
-  check_names(field, {"memory", "shading", "counters", "images", "across", "error", "time"}, kWhat, "gates");
+  check_names(field, {"memory", "shading", "counters", "images", "across", "against", "error", "time"}, kWhat, "gates");
   GateOptions gates;
   gates.memory = flag(field, "memory", true);
   gates.shading = flag(field, "shading", true);
@@ -212,6 +223,11 @@ GateOptions read_gates(const JsonField& field) {
     gates.across_absolute = share(across, "absolute", gates.across_absolute);
     gates.across_error = share(across, "error", gates.across_error);
     gates.across_image_mse = share(across, "image_mse", gates.across_image_mse);
+  }
+  if (field.has("against")) {
+    const JsonField against = field.member("against");
+    check_names(against, {"draws", "triangles", "materials", "memory", "executions", "error"}, kWhat, "gates.against");
+    for (auto& [name, allowed] : gates.against) allowed = share(against, name, allowed);
   }
   if (field.has("error")) {
     const JsonField error = field.member("error");
@@ -230,24 +246,121 @@ GateOptions read_gates(const JsonField& field) {
     if (time.raw().is_boolean()) {
       gates.time = time.raw().get<bool>();
     } else {
-      check_names(time, {"slower", "minimum_ms", "confirm"}, kWhat, "gates.time");
+      check_names(time, {"slower", "minimum_ms", "alarm", "rounds", "instructions"}, kWhat, "gates.time");
       gates.time_slower = share(time, "slower", gates.time_slower);
       gates.time_minimum_ms = share(time, "minimum_ms", gates.time_minimum_ms);
-      gates.time_confirm = limited(time, kConfirmLimit, gates.time_confirm);
+      gates.time_alarm = share(time, "alarm", gates.time_alarm);
+      if (!(gates.time_alarm > 0 && gates.time_alarm <= 0.5))
+        time.member("alarm").fail("expected more than 0, up to 0.5");
+      gates.time_rounds = limited(time, kTimeRoundsLimit, gates.time_rounds);
+      gates.instructions_more = share(time, "instructions", gates.instructions_more);
     }
   }
   return gates;
 }
 
+std::vector<WatchedFolder> read_watched(const JsonField& list, const std::filesystem::path& folder) {
+  std::vector<WatchedFolder> watched;
+  for (std::size_t i = 0; i < list.array_size(); ++i) {
+    const JsonField entry = list.element(i);
+    check_names(entry, {"folder", "tag", "quiet_s"}, kWhat, fmt::format("watch[{}]", i));
+    WatchedFolder one{folder / entry.member("folder").text(), name_from(entry.member("tag"))};
+    one.quiet_s = limited(entry, kQuietLimit, one.quiet_s);
+    watched.push_back(std::move(one));
+  }
+  return watched;
+}
+
+std::vector<TagLimit> read_tag_limits(const JsonField& tags) {
+  std::vector<TagLimit> limits;
+  for (const auto& item : tags.object().items()) {
+    const JsonField entry = tags.member(item.key());
+    check_names(entry, {"keep", "bytes"}, kWhat, "tags." + printable(item.key(), 60));
+    TagLimit limit{item.key()};
+    limit.keep = limited(entry, kKeepLimit, 0);
+    if (entry.has("bytes")) limit.bytes = entry.member("bytes").u64();
+    limits.push_back(std::move(limit));
+  }
+  return limits;
+}
+
+// What may stand in a mail's header and can't be an option of sendmail.
+std::string mail_address(const JsonField& field) {
+  const std::string text = field.text();
+  const std::size_t at = text.find('@');
+  const bool plain = std::ranges::all_of(text, [](unsigned char c) {
+    return c > 0x20 && c < 0x7f &&
+           std::string_view(",;:<>()[]\\\"|&$`'").find(static_cast<char>(c)) == std::string_view::npos;
+  });
+  if (text.size() > 254 || text.starts_with('-') || at == 0 || at == std::string::npos || at + 1 == text.size() ||
+      !plain)
+    field.fail("expected an address like team@example.net");
+  return text;
+}
+
+Webhook read_webhook(const JsonField& entry, std::size_t index) {
+  check_names(entry, {"url", "secret_env"}, kWhat, fmt::format("notify.webhooks[{}]", index));
+  const JsonField url = entry.member("url");
+  Webhook hook{url.text(), ""};
+  const bool scheme = hook.url.starts_with("http://") || hook.url.starts_with("https://");
+  const std::size_t host = hook.url.find("://") + 3;
+  const bool plain = std::ranges::all_of(hook.url, [](unsigned char c) { return c > 0x20 && c < 0x7f; });
+  if (!scheme || !plain || hook.url.size() > kMaxAddressBytes || host >= hook.url.size() || hook.url[host] == '/' ||
+      hook.url.find('@') != std::string::npos)
+    url.fail("expected http://HOST/PATH or https://HOST/PATH, without a user's name");
+  if (entry.has("secret_env")) {
+    const JsonField name = entry.member("secret_env");
+    hook.secret_variable = name.text();
+    const bool word =
+        std::ranges::all_of(hook.secret_variable, [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+    if (hook.secret_variable.empty() || !word) name.fail("expected the name of a variable of the environment");
+  }
+  return hook;
+}
+
+NoticeOptions read_notices(const JsonField& field) {
+  check_names(field, {"webhooks", "attempts", "mail", "only_failed"}, kWhat, "notify");
+  NoticeOptions options;
+  options.only_failed = flag(field, "only_failed", false);
+  options.attempts = limited(field, kAttemptsLimit, options.attempts);
+  if (field.has("webhooks")) {
+    const JsonField hooks = field.member("webhooks");
+    if (hooks.array_size() > kMaxReceivers) hooks.fail(fmt::format("more than {}", kMaxReceivers));
+    for (std::size_t i = 0; i < hooks.array_size(); ++i) options.webhooks.push_back(read_webhook(hooks.element(i), i));
+  }
+  if (field.has("mail")) {
+    const JsonField mail = field.member("mail");
+    check_names(mail, {"to", "from", "sendmail"}, kWhat, "notify.mail");
+    const JsonField to = mail.member("to");
+    if (to.array_size() == 0 || to.array_size() > kMaxReceivers)
+      to.fail(fmt::format("expected 1 to {}", kMaxReceivers));
+    for (std::size_t i = 0; i < to.array_size(); ++i) options.mail_to.push_back(mail_address(to.element(i)));
+    if (mail.has("from")) options.mail_from = mail_address(mail.member("from"));
+    if (mail.has("sendmail")) options.sendmail = mail.member("sendmail").text();
+    if (!options.sendmail.starts_with('/')) mail.member("sendmail").fail("expected an absolute path");
+  }
+  return options;
+}
+
 }  // namespace
+
+GateOptions gates_of(const json& document) {
+  try {
+    if (document.contains("gates")) return read_gates(JsonField(document, kWhat).member("gates"));
+  } catch (const Error&) {
+    return {};  // of a version with other gates
+  }
+  return {};
+}
 
 NightlyConfig parse_nightly_config(std::string_view text, const std::filesystem::path& folder) {
   NightlyConfig config;
+  config.folder = folder;
   config.document = parse_json_document(text, kWhat, "the file");
   const JsonField top(config.document, kWhat);
   check_names(top,
               {"name", "data", "baseline", "captures", "techniques", "samples", "size", "frames", "repeat",
-               "reference_samples", "point_lights", "gates", "keep"},
+               "reference_samples", "point_lights", "gates", "keep", "watch", "tags", "notify"},
               kWhat, "top level");
   config.name = name_from(top.member("name"));
   config.baseline = top.has("baseline") ? name_from(top.member("baseline")) : config.name;
@@ -264,6 +377,9 @@ NightlyConfig parse_nightly_config(std::string_view text, const std::filesystem:
       config.captures.push_back(std::move(source));
     }
   }
+  if (top.has("watch")) config.watched = read_watched(top.member("watch"), folder);
+  if (top.has("tags")) config.tag_limits = read_tag_limits(top.member("tags"));
+  if (top.has("notify")) config.notices = read_notices(top.member("notify"));
   if (top.has("gates")) config.gates = read_gates(top.member("gates"));
   return config;
 }

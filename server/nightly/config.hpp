@@ -22,8 +22,9 @@ struct CaptureSource {
   std::filesystem::path path;  // kind path
   std::string scene;           // kind scene
   capture::GenerateOptions generate;
-  std::string tag;                // kind tag
-  replay::ReplayOptions options;  // techniques with every parameter filled in
+  std::string tag;                 // kind tag
+  bool against_yesterday = false;  // kind tag: its newest capture, compared with the one before (against.hpp)
+  replay::ReplayOptions options;   // techniques with every parameter filled in
 };
 
 // A metric fails when it is above `limit`, or above the baseline's by more than `absolute` plus `relative` of it.
@@ -39,10 +40,44 @@ struct GateOptions {
   // differ, the mean square difference of the images, and the share that errors may rise beyond their bounds.
   double across_relative = 0.01, across_absolute = 8, across_image_mse = 1e-4, across_error = 0.5;
   std::map<std::string, ErrorBound> error;  // by the metric's name in results.json
+  // Shares by which today's capture may be above yesterday's: draws, triangles, materials, memory, executions, error.
+  std::map<std::string, double> against{{"draws", 0.1},  {"triangles", 0.1},  {"materials", 0.1},
+                                        {"memory", 0.1}, {"executions", 0.1}, {"error", 0.1}};
   bool time = true;
-  double time_slower = 0.5;        // share by which the ratios to msaa and noaa may rise, beyond both nights' spreads
-  double time_minimum_ms = 5;      // of a cell; below, the clock says more about the machine than about the technique
-  std::uint32_t time_confirm = 2;  // times a slower cell is measured again before it fails
+  double time_slower = 0.03;        // share by which the ratios to msaa and noaa may rise before a test can fail
+  double time_minimum_ms = 5;       // of a cell; below, the clock says more about the machine than about the technique
+  double time_alarm = 0.01;         // false alarms by chance, in nights, of all cells together
+  std::uint32_t time_rounds = 12;   // most rounds of a cell in one night
+  double instructions_more = 0.02;  // share by which instructions may rise, where they are counted
+};
+
+// A folder whose captures are stored with a tag before the night begins.
+struct WatchedFolder {
+  std::filesystem::path folder;
+  std::string tag;
+  std::uint32_t quiet_s = 10;  // since a file was written to
+};
+
+// What a tag may hold; 0: any number.
+struct TagLimit {
+  std::string tag;
+  std::uint32_t keep = 0;
+  std::uint64_t bytes = 0;
+};
+
+struct Webhook {
+  std::string url;
+  std::string secret_variable;  // of the environment, with the key that signs; empty: not signed
+};
+
+// Who is told how a night ended.
+struct NoticeOptions {
+  std::vector<Webhook> webhooks;
+  std::uint32_t attempts = 5;
+  std::vector<std::string> mail_to;
+  std::string mail_from;
+  std::string sendmail = "/usr/sbin/sendmail";
+  bool only_failed = false;
 };
 
 struct NightlyConfig {
@@ -51,9 +86,16 @@ struct NightlyConfig {
   std::string baseline;
   std::vector<CaptureSource> captures;
   GateOptions gates;
-  std::uint32_t keep = 0;   // newest nights of this name that are kept; 0: all
-  nlohmann::json document;  // as read
+  std::vector<WatchedFolder> watched;
+  std::vector<TagLimit> tag_limits;
+  NoticeOptions notices;
+  std::filesystem::path folder;  // what its paths start from
+  std::uint32_t keep = 0;        // newest nights of this name that are kept; 0: all
+  nlohmann::json document;       // as read
 };
+
+// The gates of a configuration that was read before; the defaults where it has none or they can't be read any more.
+GateOptions gates_of(const nlohmann::json& document);
 
 // `folder` is what relative paths start from. Throws InputError with line and column for broken JSON, with the field's
 // path for a missing, unknown or wrong field.

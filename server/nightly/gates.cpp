@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/nightly/against.hpp"
+#include "server/nightly/time_test.hpp"
+
 namespace subpixel::server {
 namespace {
 
@@ -59,10 +62,6 @@ double error_value(const FrameResult& result, const std::string& metric) {
     if (name == metric) return value;
   }
   return std::nan("");
-}
-
-std::string driver_of(const replay::ResultsHead& head) {
-  return fmt::format("{} on {}", head.driver_version, head.cpu_model);
 }
 
 bool same_machine(const replay::ResultsHead& a, const replay::ResultsHead& b) {
@@ -158,19 +157,33 @@ class CellJudge {
     }
   }
 
-  void judge_time(const CellTime* baseline) {
+  // `before`: rounds of the baseline and of the nights since. `alarm`: the false-alarm rate of one cell.
+  void judge_time(const std::vector<TimeRound>& before, bool same, double alarm) {
     if (!options_.time) return;
-    if (baseline == nullptr || cell_.time.references.empty()) {
+    if (!same) return add("time", GateOutcome::skipped, "times of another machine say nothing");
+    if (cell_.time.references.empty()) {
       return add("time", GateOutcome::skipped, "there is no msaa or noaa of the same run to compare it with");
     }
     if (cell_.time.own.ms < options_.time_minimum_ms) {
       return add("time", GateOutcome::skipped,
                  fmt::format("{:.1f} ms is too short to judge ({:g} ms)", cell_.time.own.ms, options_.time_minimum_ms));
     }
-    std::string detail;
-    const bool slower = is_slower(cell_.time, *baseline, options_.time_slower, detail);
-    if (detail.empty()) return add("time", GateOutcome::skipped, "the baseline was measured beside other techniques");
-    add("time", slower ? GateOutcome::failed : GateOutcome::passed, detail);
+    const TimeVerdict verdict = test_times(cell_.time.rounds, before, {options_.time_slower, alarm});
+    if (verdict.detail.empty()) {
+      return add("time", GateOutcome::skipped, "no round of tonight and of before has the same techniques");
+    }
+    if (verdict.decision == TimeDecision::undecided && least_p(cell_.time.rounds.size(), before.size()) > alarm) {
+      return add("time", GateOutcome::skipped, "too few rounds to tell: " + verdict.detail);
+    }
+    add("time", verdict.decision == TimeDecision::slower ? GateOutcome::failed : GateOutcome::passed, verdict.detail);
+  }
+
+  void judge_instructions(const CellTime& before, bool same) {
+    if (!options_.time || !same || !(before.instructions > 0) || !(cell_.time.instructions > 0)) return;
+    const double more = cell_.time.instructions / before.instructions - 1;
+    add("instructions", more > options_.instructions_more ? GateOutcome::failed : GateOutcome::passed,
+        fmt::format("{:.4g}, the baseline {:.4g} ({:+.2f}%; up to {:+.2f}% is allowed)", cell_.time.instructions,
+                    before.instructions, 100 * more, 100 * options_.instructions_more));
   }
 
   void conclude(bool has_baseline) {
@@ -274,8 +287,24 @@ std::string capture_difference(const NightCapture& tonight, const NightCapture& 
   return fmt::format("replayed at {}; the baseline at {}", setup(*tonight.head), setup(*baseline.head));
 }
 
+// Whether a capture is today's or yesterday's of a tag (against.hpp).
+bool is_of_days(const NightRecord& night, const std::string& capture) {
+  if (!night.facts.contains("against")) return false;
+  for (const auto& day : night.facts.at("against").items()) {
+    if (capture == day.key() || capture == yesterday_name(day.key())) return true;
+  }
+  return false;
+}
+
+struct CellGates {
+  const GateOptions& options;
+  const std::vector<TimeRound>& rounds;  // of before
+  double alarm;
+};
+
 void judge_cell(NightCell& cell, const NightCapture& capture, const NightCell* before,
-                const NightCapture* capture_before, const GateOptions& options, const CompareImages& compare) {
+                const NightCapture* capture_before, const CellGates& gates, const CompareImages& compare) {
+  const GateOptions& options = gates.options;
   cell.gates.clear();
   CellJudge judge(cell, options);
   judge.judge_alone(capture.problem);
@@ -303,28 +332,21 @@ void judge_cell(NightCell& cell, const NightCapture& capture, const NightCell* b
   const bool same = same_machine(*capture.head, *capture_before->head);
   if (!same) {
     judge.add("machine", GateOutcome::skipped,
-              fmt::format("{}; the baseline is of {}: tolerances in place of equality", driver_of(*capture.head),
-                          driver_of(*capture_before->head)));
+              fmt::format("{}; the baseline is of {}: tolerances in place of equality", machine_text(*capture.head),
+                          machine_text(*capture_before->head)));
   }
   judge.judge_exact(pairs, same, compare);
   judge.judge_error(pairs, same ? 0 : options.across_error);
-  judge.judge_time(&before->time);
+  judge.judge_time(gates.rounds, same, gates.alarm);
+  judge.judge_instructions(before->time, same);
   judge.conclude(true);
 }
 
-struct Ratio {
-  double value, low, high;
-};
-
-// The spread is the distance from the fastest to the slowest repeat, so the interval holds every ratio of two repeats.
-Ratio ratio(const TimeSpan& own, const TimeSpan& reference) {
-  const double least = std::max({reference.ms - reference.spread_ms, 0.1 * reference.ms, 1e-6});
-  return {own.ms / std::max(reference.ms, 1e-6),
-          std::max(own.ms - own.spread_ms, 0.0) / (reference.ms + reference.spread_ms),
-          (own.ms + own.spread_ms) / least};
-}
-
 }  // namespace
+
+std::string machine_text(const replay::ResultsHead& head) {
+  return fmt::format("{} on {}", head.driver_version, head.cpu_model);
+}
 
 CellTime cell_time(const NightCell& cell, const std::vector<NightCell>& of_same_capture) {
   const auto span_of = [](const NightCell& measured) {
@@ -335,7 +357,8 @@ CellTime cell_time(const NightCell& cell, const std::vector<NightCell>& of_same_
     }
     return span;
   };
-  CellTime time{span_of(cell), {}};
+  CellTime time{span_of(cell), {}, {}, 0};
+  for (const NightFrame& frame : cell.frames) time.instructions += static_cast<double>(frame.result.ms.instructions);
   const NightCell* msaa = nullptr;
   for (const NightCell& other : of_same_capture) {
     // Only over the same frames is a ratio of sums a ratio.
@@ -352,24 +375,29 @@ CellTime cell_time(const NightCell& cell, const std::vector<NightCell>& of_same_
   return time;
 }
 
-bool is_slower(const CellTime& tonight, const CellTime& baseline, double slower, std::string& detail) {
-  bool all = true;
-  detail.clear();
-  for (const auto& [technique, reference] : tonight.references) {
-    const auto before = baseline.references.find(technique);
-    if (before == baseline.references.end()) continue;
-    const Ratio now = ratio(tonight.own, reference), then = ratio(baseline.own, before->second);
-    const double allowed = then.high * (1 + slower);
-    all = all && now.low > allowed;
-    detail += fmt::format("{}{:.2f} ({:.2f} to {:.2f}) of {}, the baseline {:.2f} ({:.2f} to {:.2f})",
-                          detail.empty() ? "" : "; ", now.value, now.low, now.high, technique, then.value, then.low,
-                          then.high);
+EarlierRounds earlier_rounds(const NightRecord& baseline, const std::vector<NightRecord>& nights) {
+  EarlierRounds rounds;
+  for (const NightRecord& night : nights) {
+    if (night.baseline_night != baseline.id) continue;
+    for (const NightCell& cell : night.cells) {
+      const NightCapture& capture = night.captures.at(cell.capture);
+      const auto then = std::ranges::find(baseline.captures, capture.name, &NightCapture::name);
+      if (then == baseline.captures.end() || !capture_difference(capture, *then).empty() ||
+          !same_machine(*capture.head, *then->head))
+        continue;
+      const bool passed = std::ranges::any_of(cell.gates, [](const GateResult& gate) {
+        return gate.gate == "time" && gate.outcome == GateOutcome::passed;
+      });
+      if (!passed) continue;
+      std::vector<TimeRound>& all = rounds[{capture.name, cell.technique}];
+      all.insert(all.end(), cell.time.rounds.begin(), cell.time.rounds.end());
+    }
   }
-  return all && !detail.empty();
+  return rounds;
 }
 
-void judge(NightRecord& tonight, const NightRecord* baseline, const GateOptions& options,
-           const CompareImages& compare) {
+void judge(NightRecord& tonight, const NightRecord* baseline, const GateOptions& options, const CompareImages& compare,
+           const EarlierRounds& earlier) {
   const auto capture_of = [](const NightRecord& night, const NightCell& cell) -> const NightCapture& {
     return night.captures.at(cell.capture);
   };
@@ -381,18 +409,29 @@ void judge(NightRecord& tonight, const NightRecord* baseline, const GateOptions&
     return nullptr;
   };
   std::erase_if(tonight.cells, [](const NightCell& cell) { return cell.status == CellStatus::missing; });
+  // Bonferroni: the night's rate is shared out among the cells that can raise a false alarm.
+  const auto timed =
+      std::ranges::count_if(tonight.cells, [](const NightCell& cell) { return !cell.time.rounds.empty(); });
+  const double alarm = options.time_alarm / static_cast<double>(std::max<std::ptrdiff_t>(timed, 1));
   for (NightCell& cell : tonight.cells) {
     const NightCapture& capture = capture_of(tonight, cell);
     const NightCell* before = baseline == nullptr ? nullptr : counterpart(*baseline, capture.name, cell.technique);
+    // Its capture is another one every day.
+    if (is_of_days(tonight, capture.name)) before = nullptr;
     // What the baseline lacked itself is no measure.
     if (before != nullptr && before->frames.empty()) before = nullptr;
-    judge_cell(cell, capture, before, before == nullptr ? nullptr : &capture_of(*baseline, *before), options, compare);
+    const NightCapture* capture_before = before == nullptr ? nullptr : &capture_of(*baseline, *before);
+    std::vector<TimeRound> rounds;
+    if (before != nullptr) rounds = before->time.rounds;
+    if (const auto later = earlier.find({capture.name, cell.technique}); later != earlier.end())
+      rounds.insert(rounds.end(), later->second.begin(), later->second.end());
+    judge_cell(cell, capture, before, capture_before, {options, rounds, alarm}, compare);
   }
   if (baseline == nullptr) return;
   for (const NightCell& before : baseline->cells) {
     if (before.frames.empty()) continue;
     const std::string& name = capture_of(*baseline, before).name;
-    if (counterpart(tonight, name, before.technique) != nullptr) continue;
+    if (counterpart(tonight, name, before.technique) != nullptr || is_of_days(*baseline, name)) continue;
     NightCell missing;
     missing.technique = before.technique;
     missing.status = CellStatus::missing;

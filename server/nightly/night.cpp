@@ -83,6 +83,14 @@ json to_json(const CellTime& time) {
   for (const auto& [technique, span] : time.references) references[technique] = span_json(span);
   json document = span_json(time.own);
   document["references"] = references;
+  document["instructions"] = time.instructions;
+  json rounds = json::array();
+  for (const TimeRound& round : time.rounds) {
+    json others = json::object();
+    for (const auto& [technique, ms] : round.references) others[technique] = ms;
+    rounds.push_back({{"ms", round.own}, {"references", others}});
+  }
+  document["rounds"] = rounds;
   return document;
 }
 
@@ -93,6 +101,16 @@ CellTime cell_time_from_json(const json& document) {
   const JsonField references = field.member("references");
   for (const auto& item : references.object().items()) {
     time.references[item.key()] = span_from_field(references.member(item.key()));
+  }
+  if (field.has("instructions")) time.instructions = field.member("instructions").number();
+  if (!field.has("rounds")) return time;  // of a store before version 5
+  const JsonField rounds = field.member("rounds");
+  for (std::size_t i = 0; i < rounds.array_size(); ++i) {
+    const JsonField round = rounds.element(i);
+    TimeRound one{round.member("ms").number(), {}};
+    const JsonField others = round.member("references");
+    for (const auto& item : others.object().items()) one.references[item.key()] = others.member(item.key()).number();
+    time.rounds.push_back(std::move(one));
   }
   return time;
 }

@@ -27,11 +27,20 @@ struct TimeSpan {
   double ms = 0, spread_ms = 0;
 };
 
+// One measurement of a capture by all techniques in turn, as one of them sees it: its ms over all frames, and those of
+// the techniques that it is compared with.
+struct TimeRound {
+  double own = 0;
+  std::map<std::string, double> references;
+};
+
 // A technique's time and, by technique, those of the same run that it is compared with. Only the ratios mean anything
 // on another day.
 struct CellTime {
   TimeSpan own;
   std::map<std::string, TimeSpan> references;
+  std::vector<TimeRound> rounds;  // measured for the test of time_test.hpp
+  double instructions = 0;        // over all frames, in user space; 0: the machine does not count them
 };
 
 // new_: measured, but not in the baseline. missing: in the baseline, but not measured.
@@ -71,6 +80,8 @@ struct NightRecord {
   std::string reason;
   std::string started_utc, finished_utc;
   std::string build;
+  std::string commit;                               // of what was measured; empty: not known
+  nlohmann::json facts = nlohmann::json::object();  // of the machine that night: noise, load, rounds
   nlohmann::json config;
   std::optional<std::string> baseline;         // name
   std::optional<std::int64_t> baseline_night;  // none: nothing was approved under that name

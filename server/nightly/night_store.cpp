@@ -8,7 +8,8 @@ namespace {
 using nlohmann::json;
 
 constexpr std::string_view kNightColumns =
-    "SELECT id, name, status, reason, started_utc, finished_utc, build, config, baseline, baseline_night FROM nights ";
+    "SELECT id, name, status, reason, started_utc, finished_utc, build, config, baseline, baseline_night, commit_id, "
+    "facts FROM nights ";
 
 NightRecord read_night(Statement& row) {
   NightRecord night;
@@ -22,6 +23,8 @@ NightRecord read_night(Statement& row) {
   night.config = json::parse(row.text());
   night.baseline = row.optional_text();
   if (const std::optional<std::string> number = row.optional_text()) night.baseline_night = std::stoll(*number);
+  night.commit = row.text();
+  night.facts = json::parse(row.text());
   return night;
 }
 
@@ -85,6 +88,28 @@ void insert_image(const Connection& connection, std::int64_t frame, const std::s
       .run();
 }
 
+// Returns the blobs outside that then nothing names.
+std::vector<std::string> drop_rows(const Connection& connection, std::string_view name, std::uint32_t keep) {
+  Transaction transaction(connection);
+  Statement old(connection,
+                "WITH kept AS (SELECT id, baseline_night FROM nights WHERE name = ?1 ORDER BY id DESC LIMIT ?2) "
+                "SELECT id FROM nights WHERE name = ?1 AND id NOT IN (SELECT id FROM kept) "
+                "AND id NOT IN (SELECT night FROM baselines) "
+                "AND id NOT IN (SELECT baseline_night FROM kept WHERE baseline_night IS NOT NULL)");
+  std::vector<std::string> outside;
+  for (const std::string& night : texts(old.bind(name).bind(std::int64_t{keep}))) {
+    Statement named(
+        connection,
+        "SELECT DISTINCT i.blob FROM night_cells c JOIN night_frames f ON f.cell = c.id JOIN night_images i "
+        "ON i.frame = f.id WHERE c.night = ?");
+    const std::vector<std::string> blobs = texts(named.bind(night));
+    Statement(connection, "DELETE FROM nights WHERE id = ?").bind(night).run();
+    for (std::string& hash : delete_unnamed_blobs(connection, blobs)) outside.push_back(std::move(hash));
+  }
+  transaction.commit();
+  return outside;
+}
+
 }  // namespace
 
 std::int64_t NightStore::add(const NightRecord& night) {
@@ -92,14 +117,15 @@ std::int64_t NightStore::add(const NightRecord& night) {
   const std::string config = night.config.dump();
   const std::string now = utc_now();
   Statement insert(writer.connection(),
-                   "INSERT INTO nights (name, status, started_utc, build, config, baseline, baseline_night) VALUES (?, "
-                   "'running', ?, ?, ?, ?, ?)");
+                   "INSERT INTO nights (name, status, started_utc, build, config, baseline, baseline_night, commit_id) "
+                   "VALUES (?, 'running', ?, ?, ?, ?, ?, ?)");
   insert.bind(night.name)
       .bind(now)
       .bind(night.build)
       .bind(config)
       .bind(night.baseline)
       .bind(night.baseline_night)
+      .bind(night.commit)
       .run();
   return writer.connection().last_insert_id();
 }
@@ -144,7 +170,7 @@ NightFrame NightStore::add_frame(std::int64_t cell, const replay::FrameResult& r
   NightFrame frame;
   frame.result = result;
   frame.result.images.clear();
-  for (const auto& [role, blob] : images) frame.result.images[role] = store_blob(writer.connection(), blob);
+  for (const auto& [role, blob] : images) frame.result.images[role] = store_.store_blob(writer.connection(), blob);
   const std::string document = replay::to_json(frame.result).dump();
   Statement(writer.connection(), "INSERT INTO night_frames (cell, frame, document) VALUES (?, ?, ?)")
       .bind(cell)
@@ -160,7 +186,7 @@ NightFrame NightStore::add_frame(std::int64_t cell, const replay::FrameResult& r
 std::string NightStore::add_difference(std::int64_t frame, const Blob& image) {
   const Store::WriteLease writer = store_.write();
   Transaction transaction(writer.connection());
-  std::string hash = store_blob(writer.connection(), image);
+  std::string hash = store_.store_blob(writer.connection(), image);
   insert_image(writer.connection(), frame, "difference", hash);
   transaction.commit();
   return hash;
@@ -178,6 +204,12 @@ void NightStore::update_cell(const NightCell& cell) {
       .run();
 }
 
+void NightStore::set_facts(std::int64_t night, const json& facts) {
+  const Store::WriteLease writer = store_.write();
+  const std::string text = facts.dump();
+  Statement(writer.connection(), "UPDATE nights SET facts = ? WHERE id = ?").bind(text).bind(night).run();
+}
+
 void NightStore::finish(std::int64_t id, NightStatus status, std::string_view reason) {
   const Store::WriteLease writer = store_.write();
   const std::string now = utc_now();
@@ -189,26 +221,20 @@ void NightStore::finish(std::int64_t id, NightStatus status, std::string_view re
       .run();
 }
 
-void NightStore::interrupt_running() {
+void NightStore::interrupt_running(std::string_view reason) {
   const Store::WriteLease writer = store_.write();
-  writer.connection().execute(
-      "UPDATE nights SET status = 'interrupted', reason = 'the process ended before the night did' WHERE status = "
-      "'running'");
+  Statement(writer.connection(), "UPDATE nights SET status = 'interrupted', reason = ? WHERE status = 'running'")
+      .bind(reason)
+      .run();
 }
 
 void NightStore::drop_old(std::string_view name, std::uint32_t keep) {
-  const Store::WriteLease writer = store_.write();
-  Transaction transaction(writer.connection());
-  Statement(writer.connection(),
-            "WITH kept AS (SELECT id, baseline_night FROM nights WHERE name = ?1 ORDER BY id DESC LIMIT ?2) "
-            "DELETE FROM nights WHERE name = ?1 AND id NOT IN (SELECT id FROM kept) "
-            "AND id NOT IN (SELECT night FROM baselines) "
-            "AND id NOT IN (SELECT baseline_night FROM kept WHERE baseline_night IS NOT NULL)")
-      .bind(name)
-      .bind(std::int64_t{keep})
-      .run();
-  if (writer.connection().changes() > 0) delete_unnamed_blobs(writer.connection());
-  transaction.commit();
+  std::vector<std::string> outside;
+  {
+    const Store::WriteLease writer = store_.write();
+    outside = drop_rows(writer.connection(), name, keep);
+  }
+  store_.remove_outside(outside);
 }
 
 std::optional<NightRecord> NightStore::night(std::int64_t id, bool with_frames) const {
@@ -255,6 +281,41 @@ std::vector<NightRecord> NightStore::nights(std::uint32_t limit, std::int64_t be
   for (NightRecord& night : nights) {
     read_captures(reader.connection(), night);
     read_cells(reader.connection(), night);
+  }
+  return nights;
+}
+
+std::vector<NightRecord> NightStore::nights_of_cell(std::string_view name, std::string_view capture,
+                                                    std::string_view technique, std::uint32_t limit) const {
+  const Store::ReadLease reader = store_.read();
+  std::vector<std::pair<std::int64_t, std::int64_t>> found;  // night and cell
+  {
+    Statement select(reader.connection(),
+                     "SELECT n.id, c.id FROM nights n JOIN night_captures k ON k.night = n.id AND k.name = ? "
+                     "JOIN night_cells c ON c.night = n.id AND c.capture = k.ordinal AND c.technique = ? "
+                     "WHERE n.name = ? AND n.status IN ('passed', 'failed') AND c.status <> 'missing' "
+                     "ORDER BY n.id DESC LIMIT ?");
+    select.bind(capture).bind(technique).bind(name).bind(std::int64_t{limit});
+    while (select.step()) {
+      const std::int64_t night = select.integer();
+      found.emplace_back(night, select.integer());
+    }
+  }
+  std::vector<NightRecord> nights;
+  for (const auto& [night_id, cell_id] : found) {
+    Statement row(reader.connection(), std::string(kNightColumns) + "WHERE id = ?");
+    row.bind(night_id);
+    Statement cell_row(reader.connection(), std::string(kCellColumns) + "WHERE id = ?");
+    cell_row.bind(cell_id);
+    if (!row.step() || !cell_row.step()) continue;  // deleted meanwhile
+    NightRecord night = read_night(row);
+    NightCell cell = read_cell(cell_row);
+    read_captures(reader.connection(), night);
+    night.captures = {night.captures.at(cell.capture)};
+    cell.capture = 0;
+    read_frames(reader.connection(), cell);
+    night.cells.push_back(std::move(cell));
+    nights.push_back(std::move(night));
   }
   return nights;
 }

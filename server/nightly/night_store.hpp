@@ -38,9 +38,11 @@ class NightStore {
   std::string add_difference(std::int64_t frame, const Blob& image);
   // Status, gates and time of a cell that is stored.
   void update_cell(const NightCell& cell);
+  // What the night says of its machine (NightRecord::facts).
+  void set_facts(std::int64_t night, const nlohmann::json& facts);
   void finish(std::int64_t id, NightStatus status, std::string_view reason);
   // Nights that a process left running.
-  void interrupt_running();
+  void interrupt_running(std::string_view reason = "the process ended before the night did");
   // Deletes all but the newest `keep` nights of a name, baselines, and what kept nights were compared with.
   void drop_old(std::string_view name, std::uint32_t keep);
   // With captures and cells; frames only when asked for.
@@ -49,6 +51,10 @@ class NightStore {
   std::optional<NightCell> cell(std::int64_t id) const;
   // Newest first, without frames; ids below `before` (0: from the newest).
   std::vector<NightRecord> nights(std::uint32_t limit, std::int64_t before, std::string_view name) const;
+  // Finished nights of a name that measured a cell, newest first; each with that capture and that cell only, its frames
+  // with it.
+  std::vector<NightRecord> nights_of_cell(std::string_view name, std::string_view capture, std::string_view technique,
+                                          std::uint32_t limit) const;
   // Names a finished night; false when there is none of that number.
   bool set_baseline(std::string_view name, std::int64_t night, std::string_view who = "", std::string_view why = "");
   std::vector<BaselineRecord> baselines() const;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/printable.hpp"
+#include "server/nightly/against.hpp"
 
 namespace subpixel::server {
 namespace {
@@ -114,6 +115,26 @@ std::string failures(const NightRecord& night) {
 
 }  // namespace
 
+std::string noise_text(const NightRecord& night) {
+  if (!night.facts.contains("rounds")) return "";
+  std::size_t most = 0, timed = 0;
+  bool counted = false;
+  for (const NightCell& cell : night.cells) {
+    most = std::max(most, cell.time.rounds.size());
+    timed += cell.time.rounds.empty() ? 0 : 1;
+    counted = counted || cell.time.instructions > 0;
+  }
+  std::string out = fmt::format("Times ({}): ", night.facts.value("measure", "device time"));
+  if (night.facts.contains("noise")) {
+    out += fmt::format("from round to round the ratio of msaa to noaa varied by {:.1f}%, load {:.1f}; ",
+                       100 * night.facts.value("noise", 0.0), night.facts.value("load", 0.0));
+  }
+  out += fmt::format("{} cells in {} rounds", timed, night.facts.value("rounds", 0));
+  if (const auto again = night.facts.value("measured_again", 0); again > 0)
+    out += fmt::format(", {} of them in {}", again, most);
+  return out + (counted ? ". Instructions were counted." : ". Instructions: not counted on this machine.");
+}
+
 std::string headline(const NightRecord& night) {
   const CellCounts counts = count_cells(night);
   const std::size_t bad = counts.failed + counts.missing;
@@ -129,7 +150,8 @@ std::string headline(const NightRecord& night) {
 
 std::string to_markdown(const NightRecord& night) {
   std::string out = fmt::format("# {}\n\n", cell_text(headline(night)));
-  out += fmt::format("{} to {} UTC, build {}.", night.started_utc, night.finished_utc, night.build);
+  out += fmt::format("{} to {} UTC, build {}{}.", night.started_utc, night.finished_utc, night.build,
+                     night.commit.empty() ? "" : " of commit " + cell_text(night.commit));
   if (!night.reason.empty()) out += fmt::format(" {}", cell_text(night.reason));
   for (const NightCapture& capture : night.captures) {
     if (!capture.head) continue;
@@ -137,9 +159,19 @@ std::string to_markdown(const NightRecord& night) {
     break;
   }
   out += fmt::format("\n\n{}", grid(night));
+  const std::string times = noise_text(night);
+  if (!times.empty()) out += fmt::format("\n{}\n", times);
   const std::string why = failures(night);
   if (!why.empty()) out += fmt::format("\n{}", why);
-  return out;
+  return out + against_markdown(night, "");
+}
+
+std::string to_comment(const NightRecord& night, const std::string& address) {
+  std::string out = fmt::format("**{}**\n", cell_text(headline(night)));
+  if (!address.empty()) out += fmt::format("\n{}/#/nights/{}\n", address, night.id);
+  const std::string why = failures(night);
+  if (!why.empty()) out += fmt::format("\n{}", why);
+  return out + against_markdown(night, address);
 }
 
 std::string to_junit(const NightRecord& night) {
@@ -179,6 +211,34 @@ std::string to_junit(const NightRecord& night) {
       xml(night.name), tests, failed, skipped, suites);
 }
 
+json to_sarif(const NightRecord& night, const std::string& config_file) {
+  json results = json::array(), rules = json::array();
+  std::vector<std::string> known;
+  for (const NightCell& cell : night.cells) {
+    const std::string& capture = night.captures.at(cell.capture).name;
+    for (const GateResult& gate : cell.gates) {
+      if (gate.outcome != GateOutcome::failed) continue;
+      if (std::ranges::find(known, gate.gate) == known.end()) {
+        known.push_back(gate.gate);
+        rules.push_back({{"id", gate.gate}, {"shortDescription", {{"text", "nightly gate " + gate.gate}}}});
+      }
+      const json place = {{"artifactLocation", {{"uri", config_file}}}, {"region", {{"startLine", 1}}}};
+      results.push_back(
+          {{"ruleId", gate.gate},
+           {"level", "error"},
+           {"message", {{"text", printable(fmt::format("{}, {}: {}", capture, cell.technique, gate.detail), 1000)}}},
+           {"locations",
+            {{{"physicalLocation", place},
+              {"logicalLocations", {{{"fullyQualifiedName", printable(capture + "/" + cell.technique, 300)}}}}}}}});
+    }
+  }
+  return {{"$schema", "https://json.schemastore.org/sarif-2.1.0.json"},
+          {"version", "2.1.0"},
+          {"runs",
+           {{{"tool", {{"driver", {{"name", "subpixel nightly"}, {"version", night.build}, {"rules", rules}}}}},
+             {"results", results}}}}};
+}
+
 json to_json(const NightRecord& night) {
   const CellCounts counts = count_cells(night);
   json captures = json::array();
@@ -205,6 +265,9 @@ json to_json(const NightRecord& night) {
           {"started_utc", night.started_utc},
           {"finished_utc", night.finished_utc.empty() ? json(nullptr) : json(night.finished_utc)},
           {"build", night.build},
+          {"commit", night.commit},
+          {"facts", night.facts},
+          {"times", noise_text(night)},
           {"baseline", optional_json(night.baseline)},
           {"baseline_night", optional_json(night.baseline_night)},
           {"counts",

@@ -48,7 +48,7 @@ class PartFolder {
 
   const fs::path& path() const { return part_; }
   void keep() {
-    for (const fs::path& folder : {part_, part_ / "captures"}) sync(folder);
+    for (const fs::path& folder : {part_, part_ / "captures"}) sync(folder);  // blobs are synced as they come
     fs::rename(part_, target_);
     kept_ = true;
     sync(fs::absolute(target_).parent_path());
@@ -75,6 +75,24 @@ bool is_stored(const Connection& connection, const std::string& hash) {
   return row.bind(hash).step();
 }
 
+void copy_blobs(const Connection& copied, const LargeBlobs& from, LargeBlobs& to, BackupReport& report) {
+  if (large_blob_bytes(copied)) to.prepare();
+  Statement rows(copied, "SELECT hash, outside FROM blobs WHERE outside IS NOT NULL ORDER BY hash");
+  while (rows.step()) {
+    const std::string hash = rows.text();
+    const auto size = static_cast<std::uint64_t>(rows.integer());
+    std::string bytes;
+    const bool whole = from.read(hash, 0, size, [&](std::string_view part) {
+      bytes.append(part);
+      return true;
+    });
+    if (!whole) throw InputError("can't back up", "a blob's file is missing or short; see subpixel store check", hash);
+    to.put(hash, bytes);
+    ++report.outside;
+    report.bytes += size;
+  }
+}
+
 BackupReport copy_data(const DataFolder& folder, const fs::path& target) {
   const Connection store(folder.store());
   BackupReport report;
@@ -87,6 +105,9 @@ BackupReport copy_data(const DataFolder& folder, const fs::path& target) {
   // Before the store, so that one which is deleted meanwhile is there for a store that still names it; and after it,
   // for those that came meanwhile.
   for (const std::string& hash : capture_hashes(store)) copy(hash);
+  const std::unique_ptr<LargeBlobs> large = large_blobs_of(folder.store());
+  const std::shared_ptr<void> held = large->hold();  // what the copy names stays until it is copied
+  if (!held) throw InputError("can't back up", "the blobs' folder can't be locked", folder.root().string());
   copy_database(store, target / "subpixel.sqlite");
   const Connection copied(target / "subpixel.sqlite");
   std::set<std::string> kept;
@@ -103,6 +124,7 @@ BackupReport copy_data(const DataFolder& folder, const fs::path& target) {
   for (const fs::directory_entry& entry : fs::directory_iterator(captures)) {
     if (!kept.contains(entry.path().filename().string())) fs::remove(entry.path());
   }
+  copy_blobs(copied, *large, *large_blobs_of(target / "subpixel.sqlite"), report);
   report.captures = kept.size();
   report.bytes += fs::file_size(target / "subpixel.sqlite");
   return report;

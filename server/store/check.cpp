@@ -114,11 +114,18 @@ class Check {
 
   void check_blobs() {
     std::string block(std::size_t{1} << 20, '\0');
-    Statement blobs(connection_, "SELECT rowid, hash, length(bytes) FROM blobs");
+    const std::unique_ptr<LargeBlobs> large = large_blobs_of(folder_.store());
+    Statement blobs(connection_, "SELECT rowid, hash, length(bytes), outside FROM blobs");
     while (blobs.step()) {
       const std::int64_t row = blobs.integer();
       const std::string hash = blobs.text();
       const auto size = static_cast<std::uint64_t>(blobs.integer());
+      const std::optional<std::string> outside = blobs.optional_text();
+      ++report_.blobs;
+      if (outside) {
+        check_outside(*large, hash, std::stoull(*outside), size);
+        continue;
+      }
       const BlobReader reader(connection_, "blobs", "bytes", row);
       ContentHasher hasher;
       for (std::uint64_t done = 0; done < size;) {
@@ -128,10 +135,38 @@ class Check {
         done += part.size();
       }
       if (hasher.hash().hex() != hash) damaged("a blob", "its bytes have another hash", hash);
-      ++report_.blobs;
     }
+    large->each([&](const std::string& hash, std::uint64_t) {
+      if (!is_outside(connection_, hash) && !is_outside(Connection(folder_.store()), hash))
+        report_.leftover.push_back("a file of a blob that is not stored: " + hash);
+    });
     Statement unnamed(connection_, "SELECT hash FROM blobs WHERE " + std::string(kBlobIsUnnamed));
     while (unnamed.step()) report_.leftover.push_back("a blob that nothing names: " + unnamed.text());
+  }
+
+  void check_outside(const LargeBlobs& large, const std::string& hash, std::uint64_t size, std::uint64_t inside) {
+    ++report_.outside;
+    if (inside != 0) damaged("a blob", "it is inside and outside of the store's file", hash);
+    std::string problem;
+    ContentHasher hasher;
+    const auto take = [&](std::string_view part) {
+      hasher.add(std::as_bytes(std::span(part)));
+      return true;
+    };
+    if (large.size(hash).value_or(0) != size) {
+      problem = large.size(hash) ? "its file has another size" : "its file is not there";
+    } else if (!large.read(hash, 0, size, take)) {
+      problem = "its file can't be read";
+    } else if (hasher.hash().hex() != hash) {
+      problem = "its file's bytes have another hash";
+    }
+    // A service may have deleted it meanwhile.
+    if (!problem.empty() && is_outside(Connection(folder_.store()), hash)) damaged("a blob", problem, hash);
+  }
+
+  static bool is_outside(const Connection& connection, const std::string& hash) {
+    Statement row(connection, "SELECT 1 FROM blobs WHERE hash = ? AND outside IS NOT NULL");
+    return row.bind(hash).step();
   }
 
   void check_captures() {
@@ -179,6 +214,7 @@ class Check {
   void check_cache() {
     std::error_code none;  // a backup has no cache
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_.cache(), none)) {
+      if (entry.is_directory()) continue;  // the driver's own
       ++report_.cached;
       if (cache_is_whole_(entry.path())) continue;
       report_.leftover.push_back("a damaged file of the cache, which is computed again: " +

@@ -42,6 +42,7 @@ class Collection {
           captures_);
       delete_blobs();
     }
+    remove_outside();
     remove_captures();
     remove_cached();
     return freed_;
@@ -57,16 +58,22 @@ class Collection {
     choose_rows(c);
     choose_captures(c);
     Statement blobs(c,
-                    "SELECT count(*), coalesce(sum(length(bytes)), 0) FROM blobs WHERE "
+                    "SELECT hash, length(bytes), outside FROM blobs WHERE "
                     "NOT EXISTS (SELECT 1 FROM images i JOIN frame_results f ON f.id = i.result JOIN runs r ON r.id = "
                     "f.run WHERE i.blob = blobs.hash AND f.run NOT IN gone_runs AND r.capture NOT IN gone_captures) "
                     "AND NOT EXISTS (SELECT 1 FROM night_images i JOIN night_frames f ON f.id = i.frame JOIN "
                     "night_cells n ON n.id = f.cell WHERE i.blob = blobs.hash AND n.night NOT IN gone_nights) "
                     "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash AND hash NOT IN "
                     "gone_captures)");
-    blobs.step();
-    freed_.blobs = static_cast<std::uint64_t>(blobs.integer());
-    freed_.store_bytes = static_cast<std::uint64_t>(blobs.integer());
+    while (blobs.step()) {
+      blobs_.push_back(blobs.text());
+      freed_.store_bytes += static_cast<std::uint64_t>(blobs.integer());
+      if (const std::optional<std::string> outside = blobs.optional_text()) {
+        ++freed_.files;
+        freed_.file_bytes += std::stoull(*outside);
+      }
+    }
+    freed_.blobs = blobs_.size();
     runs_ = keys_of(c, "SELECT id FROM gone_runs");
     nights_ = keys_of(c, "SELECT id FROM gone_nights");
     captures_ = keys_of(c, "SELECT hash FROM gone_captures");
@@ -117,10 +124,8 @@ class Collection {
   }
 
   static std::vector<std::string> keys_of(const Connection& c, const char* sql) {
-    std::vector<std::string> keys;
     Statement select(c, sql);
-    while (select.step()) keys.push_back(select.text());
-    return keys;
+    return texts(select);
   }
 
   void delete_rows(const char* sql, const std::vector<std::string>& keys) {
@@ -134,25 +139,40 @@ class Collection {
     }
   }
 
+  // Those chosen that nothing names now; what came to be unnamed since waits for the next time.
   void delete_blobs() {
-    for (std::int64_t last = 0;;) {
-      const Store::WriteLease writer = store_.write();
-      Transaction transaction(writer.connection());
-      std::vector<std::int64_t> rows;
+    for (std::size_t first = 0; first < blobs_.size(); first += kAtATime) {
+      const auto begin = blobs_.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto end = begin + static_cast<std::ptrdiff_t>(std::min(kAtATime, blobs_.size() - first));
+      std::vector<std::string> outside;
       {
-        Statement unnamed(writer.connection(), fmt::format("SELECT rowid FROM blobs WHERE rowid > ? AND {} ORDER BY "
-                                                           "rowid LIMIT {}",
-                                                           kBlobIsUnnamed, kAtATime));
-        unnamed.bind(last);
-        while (unnamed.step()) rows.push_back(unnamed.integer());
+        const Store::WriteLease writer = store_.write();
+        Transaction transaction(writer.connection());
+        outside = delete_unnamed_blobs(writer.connection(), {begin, end});
+        transaction.commit();
       }
-      for (const std::int64_t row : rows) {
-        Statement(writer.connection(), "DELETE FROM blobs WHERE rowid = ?").bind(row).run();
-      }
-      transaction.commit();
-      if (rows.size() < kAtATime) return;
-      last = rows.back();
+      store_.remove_outside(outside);
     }
+  }
+
+  // Of blobs that have no row: of a writer that died before its commit, or a deletion that did before its end.
+  void remove_outside() {
+    std::vector<std::string> left;
+    const auto take = [&](const std::string& hash, std::uint64_t bytes) {
+      const Store::ReadLease reader = store_.read();
+      Statement row(reader.connection(), "SELECT 1 FROM blobs WHERE hash = ? AND outside IS NOT NULL");
+      if (row.bind(hash).step()) return;
+      ++freed_.files;
+      freed_.file_bytes += bytes;
+      left.push_back(hash);
+    };
+    store_.large_blobs().each(take);
+    if (dry_) return;
+    for (std::size_t first = 0; first < left.size(); first += kAtATime) {
+      const auto begin = left.begin() + static_cast<std::ptrdiff_t>(first);
+      store_.remove_outside({begin, begin + static_cast<std::ptrdiff_t>(std::min(kAtATime, left.size() - first))});
+    }
+    freed_.files += store_.large_blobs().remove_unfinished();
   }
 
   void remove(const fs::directory_entry& entry) {
@@ -184,6 +204,7 @@ class Collection {
   void remove_cached() {
     std::error_code none;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_.cache(), none)) {
+      if (entry.is_directory()) continue;  // the driver's own, which it keeps small itself
       const bool old = retention_.cache_days && older_than(entry, std::chrono::days(*retention_.cache_days));
       // One that is being written has another name until it is whole.
       if (old || (older_than(entry, kFreshTime) && !cache_is_whole_(entry.path()))) remove(entry);
@@ -196,7 +217,7 @@ class Collection {
   const bool dry_;
   const CacheCheck& cache_is_whole_;
   Freed freed_;
-  std::vector<std::string> runs_, nights_, captures_;
+  std::vector<std::string> runs_, nights_, captures_, blobs_;
 };
 
 }  // namespace

@@ -21,6 +21,8 @@ class SqliteError : public std::runtime_error {
  public:
   enum class Cause { disk_full, read_only, busy, damaged, disk, ours };
   SqliteError(sqlite3* connection, int code);
+  // What is not SQLite's own part of the store went wrong.
+  SqliteError(Cause cause, const std::string& what) : std::runtime_error(what), cause_(cause) {}
   Cause cause() const { return cause_; }
   bool disk_full() const { return cause_ == Cause::disk_full; }
   bool is_ours() const { return cause_ == Cause::ours; }

@@ -8,6 +8,7 @@
 #include <chrono>
 
 #include "base/error.hpp"
+#include "base/hash.hpp"
 #include "server/store/schema.hpp"
 #include "server/store/store_access.hpp"
 
@@ -38,8 +39,27 @@ CaptureRecord read_capture(Statement& row) {
 
 }  // namespace
 
-void delete_unnamed_blobs(const Connection& connection) {
-  connection.execute(fmt::format("DELETE FROM blobs WHERE {}", kBlobIsUnnamed));
+std::vector<std::string> delete_unnamed_blobs(const Connection& connection, const std::vector<std::string>& hashes) {
+  std::vector<std::string> outside;
+  for (const std::string& hash : hashes) {
+    Statement gone(connection,
+                   fmt::format("DELETE FROM blobs WHERE hash = ? AND {} RETURNING outside", kBlobIsUnnamed));
+    gone.bind(hash);
+    if (gone.step() && gone.optional_text()) outside.push_back(hash);
+  }
+  return outside;
+}
+
+std::vector<std::string> texts(Statement& select) {
+  std::vector<std::string> all;
+  while (select.step()) all.push_back(select.text());
+  return all;
+}
+
+std::optional<std::uint64_t> large_blob_bytes(const Connection& connection) {
+  Statement setting(connection, "SELECT value FROM settings WHERE name = 'large_blob_bytes'");
+  if (!setting.step()) return std::nullopt;
+  return static_cast<std::uint64_t>(setting.integer());
 }
 
 std::string utc_now() {
@@ -78,10 +98,11 @@ void migrate(const Connection& connection, const std::vector<std::string_view>& 
   }
 }
 
-Store::Store(const std::filesystem::path& file) : file_(file), writer_(file) {
+Store::Store(const std::filesystem::path& file) : file_(file), large_(large_blobs_of(file)), writer_(file) {
   std::vector<std::string_view> steps;
   for (const EmbeddedFile& step : schema_steps()) steps.push_back(step.content);
   migrate(writer_, steps, file);
+  large_bytes_ = large_blob_bytes(writer_);
 }
 
 Store::~Store() = default;
@@ -185,10 +206,16 @@ Store::Deletion Store::delete_capture(std::string_view hash) {
     active.bind(hash);
     if (active.step()) return Deletion::in_use;
   }
+  Statement named(
+      writer_,
+      "SELECT DISTINCT i.blob FROM runs r JOIN frame_results f ON f.run = r.id JOIN images i ON i.result = f.id "
+      "WHERE r.capture = ?1 UNION SELECT thumbnail FROM captures WHERE hash = ?1 AND thumbnail IS NOT NULL");
+  const std::vector<std::string> blobs = texts(named.bind(hash));
   Statement(writer_, "DELETE FROM captures WHERE hash = ?").bind(hash).run();
   if (writer_.changes() == 0) return Deletion::missing;
-  delete_unnamed_blobs(writer_);
+  const std::vector<std::string> outside = delete_unnamed_blobs(writer_, blobs);
   transaction.commit();
+  remove_outside_locked(outside);
   return Deletion::deleted;
 }
 
@@ -201,26 +228,88 @@ Store::Deletion Store::delete_run(std::int64_t id) {
     if (!active.step()) return Deletion::missing;
     if (active.integer() != 0) return Deletion::in_use;
   }
+  Statement named(writer_,
+                  "SELECT DISTINCT i.blob FROM frame_results f JOIN images i ON i.result = f.id WHERE f.run = ?");
+  const std::vector<std::string> blobs = texts(named.bind(id));
   Statement(writer_, "DELETE FROM runs WHERE id = ?").bind(id).run();
-  delete_unnamed_blobs(writer_);
+  const std::vector<std::string> outside = delete_unnamed_blobs(writer_, blobs);
   transaction.commit();
+  remove_outside_locked(outside);
   return Deletion::deleted;
+}
+
+// XXH3 is no cryptographic hash: equal hashes of different bytes are refused, not mixed up.
+std::string Store::store_blob(const Connection& writer, const Blob& blob) {
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(blob.bytes));
+  std::string hash = content_hash_hex(bytes);
+  Statement same(writer,
+                 "SELECT outside, CASE WHEN outside IS NULL THEN bytes = ? ELSE 0 END FROM blobs WHERE hash = ?");
+  same.bind(bytes).bind(hash);
+  if (same.step()) {
+    std::string_view left = blob.bytes;
+    const auto is_next = [&](std::string_view part) {
+      if (left.substr(0, part.size()) != part) return false;
+      left.remove_prefix(part.size());
+      return true;
+    };
+    const bool outside = same.optional_text().has_value(), inside_equal = same.integer() == 1;
+    const bool equal =
+        outside ? large_->size(hash) == blob.bytes.size() && large_->read(hash, 0, left.size(), is_next) : inside_equal;
+    if (!equal) throw InputError("can't store an image", "another one has its content hash", hash);
+    return hash;
+  }
+  Statement insert(writer, "INSERT INTO blobs (hash, media_type, bytes, outside) VALUES (?, ?, ?, ?)");
+  insert.bind(hash).bind(blob.media_type);
+  if (large_bytes_ && blob.bytes.size() >= *large_bytes_) {
+    large_->put(hash, blob.bytes);
+    insert.bind(std::span<const std::byte>()).bind(static_cast<std::int64_t>(blob.bytes.size()));
+  } else {
+    insert.bind(bytes).bind(nullptr);
+  }
+  insert.run();
+  return hash;
+}
+
+void Store::remove_outside(const std::vector<std::string>& hashes) {
+  const std::lock_guard lock(write_mutex_);
+  remove_outside_locked(hashes);
+}
+
+// Under the write lock nobody stores one of them in between. What can't be deleted is garbage for `store gc`: it is no
+// failure of what its row was deleted for.
+void Store::remove_outside_locked(const std::vector<std::string>& hashes) {
+  if (hashes.empty()) return;
+  try {
+    const Transaction transaction(writer_);
+    for (const std::string& hash : hashes) {
+      Statement named(writer_, "SELECT 1 FROM blobs WHERE hash = ? AND outside IS NOT NULL");
+      if (!named.bind(hash).step()) large_->remove(hash);
+    }
+  } catch (const SqliteError&) {  // NOLINT(bugprone-empty-catch)
+  }
 }
 
 std::optional<Blob> Store::blob(std::string_view hash) const {
   const ReadLease reader = read();
-  Statement select(reader.connection(), "SELECT media_type, bytes FROM blobs WHERE hash = ?");
+  Statement select(reader.connection(), "SELECT media_type, bytes, outside FROM blobs WHERE hash = ?");
   select.bind(hash);
   if (!select.step()) return std::nullopt;
   Blob blob;
   blob.media_type = select.text();
   blob.bytes = select.blob();
-  return blob;
+  const std::optional<std::string> outside = select.optional_text();
+  if (!outside) return blob;
+  const bool is_there = large_->read(std::string(hash), 0, std::stoull(*outside), [&](std::string_view part) {
+    blob.bytes.append(part);
+    return true;
+  });
+  return is_there ? std::optional(std::move(blob)) : std::nullopt;
 }
 
 std::optional<BlobInfo> Store::blob_info(std::string_view hash) const {
   const ReadLease reader = read();
-  Statement select(reader.connection(), "SELECT media_type, length(bytes) FROM blobs WHERE hash = ?");
+  Statement select(reader.connection(),
+                   "SELECT media_type, coalesce(outside, length(bytes)) FROM blobs WHERE hash = ?");
   select.bind(hash);
   if (!select.step()) return std::nullopt;
   BlobInfo info;
@@ -232,10 +321,12 @@ std::optional<BlobInfo> Store::blob_info(std::string_view hash) const {
 bool Store::read_blob(std::string_view hash, std::uint64_t first, std::uint64_t length,
                       const std::function<bool(std::string_view)>& take) const {
   const ReadLease reader = read();
-  Statement select(reader.connection(), "SELECT rowid FROM blobs WHERE hash = ?");
+  Statement select(reader.connection(), "SELECT rowid, outside FROM blobs WHERE hash = ?");
   select.bind(hash);
   if (!select.step()) return false;
-  const BlobReader blob(reader.connection(), "blobs", "bytes", select.integer());
+  const std::int64_t row = select.integer();
+  if (select.optional_text()) return large_->read(std::string(hash), first, length, take);
+  const BlobReader blob(reader.connection(), "blobs", "bytes", row);
   std::string block(std::min<std::uint64_t>(length, std::uint64_t{1} << 18), '\0');
   for (std::uint64_t done = 0; done < length;) {
     const std::size_t step = std::min<std::uint64_t>(block.size(), length - done);

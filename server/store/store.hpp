@@ -17,6 +17,7 @@
 
 #include "replay/results/results.hpp"
 #include "replay/results/worker_protocol.hpp"
+#include "server/store/large_blobs.hpp"
 #include "server/store/sqlite.hpp"
 
 namespace subpixel::server {
@@ -161,6 +162,13 @@ class Store {
   // Hands `length` bytes of a blob from `first` on to `take`, in pieces. False when that says so.
   bool read_blob(std::string_view hash, std::uint64_t first, std::uint64_t length,
                  const std::function<bool(std::string_view)>& take) const;
+  // Stores the bytes once, in a row or outside of it by their size, and returns their hash. Within a transaction of the
+  // store's writer: what is outside is lasting before the row is. Throws InputError for other bytes with the hash of
+  // stored ones.
+  std::string store_blob(const Connection& writer, const Blob& blob);
+  // Deletes blobs' bytes outside of rows, of those that no row names any more. Not within a transaction.
+  void remove_outside(const std::vector<std::string>& hashes);
+  LargeBlobs& large_blobs() { return *large_; }
   StoreCounts counts() const;
   StoreGauges gauges() const;
   // Whether it takes writes now: throws SqliteError as a write would.
@@ -174,8 +182,12 @@ class Store {
   WriteLease write();
 
  private:
+  void remove_outside_locked(const std::vector<std::string>& hashes);
+
   std::filesystem::path file_;
-  mutable std::mutex write_mutex_;  // guards writer_
+  std::unique_ptr<LargeBlobs> large_;
+  std::optional<std::uint64_t> large_bytes_;  // blobs from this size on are stored outside
+  mutable std::mutex write_mutex_;            // guards writer_
   mutable Connection writer_;
   // Readers see a snapshot each (WAL), so that lists stay quick while a result with its images is committed.
   mutable std::mutex readers_mutex_;
@@ -191,14 +203,19 @@ std::int64_t newest_schema_version();
 void migrate(const Connection& connection, const std::vector<std::string_view>& steps,
              const std::filesystem::path& file);
 
-// Stores the bytes once and returns their hash. Throws InputError for other bytes with the hash of stored ones.
-std::string store_blob(const Connection& connection, const Blob& blob);
-// Blobs have no owner. This is true of those that nothing names, and this deletes them.
+// Blobs have no owner. This is true of those that nothing names.
 constexpr std::string_view kBlobIsUnnamed =
     "NOT EXISTS (SELECT 1 FROM images WHERE blob = blobs.hash) "
     "AND NOT EXISTS (SELECT 1 FROM night_images WHERE blob = blobs.hash) "
     "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash)";
-void delete_unnamed_blobs(const Connection& connection);
+// Deletes the rows of those of these blobs that nothing names: of what was deleted, for looking through all blobs takes
+// too long. Returns the hashes of those whose bytes are outside, for Store::remove_outside() after the commit.
+std::vector<std::string> delete_unnamed_blobs(const Connection& connection, const std::vector<std::string>& hashes);
+// The first column of all rows.
+std::vector<std::string> texts(Statement& select);
+
+// From which size on blobs are stored outside; none: no blob is.
+std::optional<std::uint64_t> large_blob_bytes(const Connection& connection);
 
 // Now, as "2025-01-31T12:00:00.123Z".
 std::string utc_now();

@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include "base/error.hpp"
-#include "base/hash.hpp"
 #include "server/store/store.hpp"
 #include "server/store/store_access.hpp"
 
@@ -99,21 +98,6 @@ std::int64_t insert_result(const Connection& connection, std::int64_t run, std::
 }
 
 }  // namespace
-
-// XXH3 is no cryptographic hash: equal hashes of different bytes are refused, not mixed up.
-std::string store_blob(const Connection& connection, const Blob& blob) {
-  const std::span<const std::byte> bytes = std::as_bytes(std::span(blob.bytes));
-  std::string hash = content_hash_hex(bytes);
-  Statement same(connection, "SELECT bytes = ? FROM blobs WHERE hash = ?");
-  same.bind(bytes).bind(hash);
-  if (same.step()) {
-    if (same.integer() != 1) throw InputError("can't store an image", "another one has its content hash", hash);
-    return hash;
-  }
-  Statement insert(connection, "INSERT INTO blobs (hash, media_type, bytes) VALUES (?, ?, ?)");
-  insert.bind(hash).bind(blob.media_type).bind(bytes).run();
-  return hash;
-}
 
 std::string_view to_text(RunKind kind) {
   return kKinds[static_cast<std::size_t>(kind)];

@@ -21,6 +21,7 @@ struct CheckReport {
   std::vector<std::string> damage;    // "what: why: where"
   std::vector<std::string> leftover;  // takes room, does no harm; collect_garbage() takes it
   std::uint64_t captures = 0, runs = 0, nights = 0, blobs = 0, cached = 0;  // looked at
+  std::uint64_t outside = 0;                                                // of the blobs: in files of their own
 };
 
 // Reads everything: the store's pages, keys and documents, each blob and each capture against its hash, each file of
@@ -28,7 +29,7 @@ struct CheckReport {
 CheckReport check_data(const DataFolder& folder, const CacheCheck& cache_is_whole);
 
 struct BackupReport {
-  std::uint64_t captures = 0, bytes = 0;
+  std::uint64_t captures = 0, bytes = 0, outside = 0;  // outside: blobs' files
 };
 
 // Copies store and captures, as they are at one moment, to the new folder `target`, a data folder then; complete and on
@@ -68,5 +69,14 @@ struct MigrationReport {
 // Takes the store to this program's version. As it was it is kept beside it. Nobody else may have the folder. Throws
 // InputError for a store that is newer than this program.
 MigrationReport migrate_data(const DataFolder& folder);
+
+struct Moved {
+  std::uint64_t out = 0, in = 0, bytes = 0;  // blobs, and how much they are together
+};
+
+// From now on blobs of `large_bytes` and more (none: no blob) have their bytes in files of their own; those that are
+// stored already are moved. Nobody else may have the folder. May be broken off at any moment and done again. Throws
+// InputError for a blob that is damaged.
+Moved place_blobs(const DataFolder& folder, std::optional<std::uint64_t> large_bytes);
 
 }  // namespace subpixel::server

@@ -477,6 +477,26 @@ const tests = [
     await shot('night');
   }],
 
+  ['trends show every number of a cell over the nights, and where one moved', async () => {
+    await page.getByRole('link', {name: 'Trend', exact: true}).click();
+    await page.getByRole('heading', {name: 'Trends of browser'}).waitFor();
+    await page.locator('.trend-plot canvas').first().waitFor();
+    const words = await page.locator('.trend-plot').evaluateAll((plots) => plots.map((plot) => plot.getAttribute('aria-label')));
+    assert.ok(words.some((text) => /^lighting executions over 3 nights/.test(text)), words.join('; '));
+    assert.match(await page.locator('.changes').innerText(), /between night 2 and night 3/);
+    const choice = page.getByLabel('Cell');
+    assert.equal(await choice.evaluate((select) => select.selectedIndex), 0);
+    await page.keyboard.press('n');
+    await page.waitForFunction(() => /technique=msaa/.test(location.hash));
+    assert.equal(await choice.evaluate((select) => select.selectedIndex), 1);
+    await page.keyboard.press('p');
+    await page.waitForFunction(() => /technique=noaa/.test(location.hash));
+    const csv = await (await page.request.get(new URL(await page.getByRole('link', {name: 'CSV', exact: true}).getAttribute('href'), service.url).href)).text();
+    assert.match(csv, /^night,started_utc,commit,/);
+    assert.deepEqual(await browser.violations(), []);
+    await shot('trends');
+  }],
+
   ['nothing went wrong on the pages meanwhile', async () => {
     assert.deepEqual(browser.complaints, []);
   }],

@@ -65,8 +65,10 @@ def small_capture():
 
 
 def strip_capture():
-    """A strip, a fan and a strip with restarts, of packed formats: what version 3 brought."""
+    """A strip, a fan and a strip with restarts, of packed formats, levels of means: what version 3 brought."""
     capture = small_capture()
+    capture.textures[0].sampler.mip = spcap.MipFilter.NEAREST_OF_MEANS
+    capture.textures[1].sampler.mip = spcap.MipFilter.LINEAR_OF_MEANS
     capture.buffers.append(spcap.Buffer(name="packed", bytes=struct.pack(
         "<6sbbII2xbbhhI", struct.pack("<3e", 1, 0, 0), 127, 127, 511 << 10 | 513 << 20 | 1 << 30,
         15 << 6 | (15 << 6 | 1 << 5) << 11 | 14 << 5 << 22, 127, 0, 32767, -32768, 1023 | 341 << 20 | 3 << 30)))

@@ -244,6 +244,18 @@ class Refusals(unittest.TestCase):
             with self.assertRaisesRegex(spcap.CaptureError, "field " + field):
                 spcap.encode(capture)
 
+    def test_levels_of_means_need_version_3(self):
+        capture = small_capture()
+        for mip in (spcap.MipFilter.LINEAR_OF_MEANS, spcap.MipFilter.NEAREST_OF_MEANS):
+            capture.textures[0].sampler.mip = mip
+            data = spcap.encode(capture)
+            self.assertEqual(struct.unpack_from("<I", data, 8)[0], 3)
+            self.assertEqual(spcap.decode(data).textures[0].sampler.mip, mip)
+        self.assert_refused(Forgery().payload(b"TEXR", 44, "I", 3), "3 is no mip filter of version 2")
+        capture.textures[0].sampler.mip = 5
+        with self.assertRaisesRegex(spcap.CaptureError, "field sampler.mip"):
+            spcap.encode(capture)
+
     def test_streams_that_lie(self):
         number = 5  # the bytes of buffer "many": equal ones are stored once
         for value, text in ((2399, "decodes to more"), (2401, "decodes to 2400 bytes"), (1 << 40, "more than zlib")):

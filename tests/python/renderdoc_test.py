@@ -217,8 +217,24 @@ class Whole(unittest.TestCase):
         made, furthest = depth.distance_capture(capture, 0)
         self.assertEqual(furthest, 8.0)
         self.assertEqual([tuple(c) for c in spcap.stream_values(made, made.frames[0].draws[0].colour, 3)],
-                         [(0.25,) * 3, (0.5,) * 3, (1.0,) * 3])
+                         [(0.25, 0.25, 0.25, 1.0), (0.5, 0.5, 0.5, 1.0), (1.0,) * 4])
         self.assertTrue(spcap.encode(made))
+
+    def test_alphas_that_are_tested_stay_with_the_distances(self):
+        # A triangle that reaches behind the eye is cut there: two corners of the cut lie half way to the third.
+        for depths, wanted in (((-2, -4, -8), [0.5, 0.25, 1.0]), ((-2, -4, 4), [0.5, 0.25, 0.625, 0.5, 0.625, 0.667])):
+            data = struct.pack("<9f12f", 0, 0, depths[0], 1, 0, depths[1], 0, 1, depths[2], 1, 1, 1, 0.5, 1, 1, 1, 0.25,
+                               1, 1, 1, 1)
+            colour = spcap.VertexStream(buffer=0, format=spcap.VertexFormat.FLOAT32X4, offset=36, stride=16)
+            draw = spcap.Draw(position=spcap.VertexStream(buffer=0, stride=12), colour=colour, index_count=3, vertex_count=3)
+            capture = spcap.Capture(
+                buffers=[spcap.Buffer(bytes=data)], textures=[spcap.Texture(width=1, height=1, bytes=b"\xff" * 4)],
+                materials=[spcap.Material(alpha_mode=spcap.AlphaMode.TEST, base_colour_texture=0)],
+                frames=[spcap.Frame(draws=[draw])])
+            made, _ = depth.distance_capture(capture, 0)
+            copy = made.frames[0].draws[0]
+            alphas = [c[3] for c in spcap.stream_values(made, copy.colour, copy.vertex_count)]
+            self.assertEqual([round(float(a), 3) for a in alphas], wanted)
 
     def test_errors_are_one_line(self):
         with folder() as path:

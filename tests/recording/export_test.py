@@ -53,16 +53,28 @@ class MainView(unittest.TestCase):
     def chosen(self, draws, sizes, **options):
         replay = MadeReplay(draws, sizes)
         work = export.FrameExport(replay, Builder(), export.Options(**options))
-        work._look = lambda entries: None
+        work._look = lambda entries: self.look(replay, work, entries)
         entries = work._main_view()
+        self.notices = list(work.notices.draws)
         return work.depth_target, [e.action.eventId for e in entries], replay.asked
+
+    @staticmethod
+    def look(replay, work, entries):
+        for entry in entries:
+            replay.go_to(entry.action)
+            entry.state = replay.state()
+            work.notices.draw("looked at " + entry.action.depthOut, entry.name)
 
     SIZES = {"scene": (1280, 720), "mirror": (1280, 720), "shadow": (4096, 4096), "icon": (64, 64)}
 
     def test_is_the_target_that_most_triangles_are_written_to_depth_of(self):
         # More corners go to the mirror, whose particles write no depth.
         draws = [("mirror", 9000, 1, False, "list"), ("mirror", 300, 1, True, "list"), ("scene", 3000, 1, True, "list")]
-        self.assertEqual(self.chosen(draws, self.SIZES)[:2], ("scene", [3]))
+        self.assertEqual(self.chosen(draws, self.SIZES), ("scene", [3], [1, 2, 3]))  # a replay each
+        self.assertEqual(self.notices, ["looked at scene"])
+        draws = [("scene", 9000, 1, False, "list"), ("scene", 3000, 1, True, "list"), ("mirror", 2700, 1, True, "list")]
+        self.assertEqual(self.chosen(draws, self.SIZES), ("scene", [1, 2], [1, 2, 3]))
+        self.assertEqual(self.notices, ["looked at scene"])
 
     def test_instances_and_strips_count_by_their_triangles(self):
         draws = [("mirror", 1500, 1, True, "list"), ("scene", 102, 6, True, "strip")]
@@ -72,10 +84,10 @@ class MainView(unittest.TestCase):
         draws = [("icon", 90000, 1, True, "list"), ("scene", 300, 1, True, "list")]
         self.assertEqual(self.chosen(draws, self.SIZES)[0], "scene")
 
-    def test_states_are_asked_only_where_they_may_decide(self):
+    def test_draws_are_looked_at_only_where_they_may_decide(self):
         draws = [("scene", 9000, 1, True, "list"), ("mirror", 2000, 1, True, "list")]
         self.assertEqual(self.chosen(draws, self.SIZES)[2], [1])
-        self.assertEqual(self.chosen(draws[:1], self.SIZES)[2], [])
+        self.assertEqual(self.chosen(draws[:1], self.SIZES)[2], [1])
 
     def test_a_target_by_its_number_is_taken_whatever_it_holds(self):
         draws = [("id:1", 9000, 1, True, "list"), ("id:2", 30, 1, True, "list")]

@@ -28,7 +28,8 @@ done
 F
 fake apt-get <<'F'
 #!/bin/sh
-echo "$*" >>"$FAKE/calls"
+echo "$*" | sed 's/.*install -y.*Use-Pty=0/install/' >>"$FAKE/calls"
+if [ -n "$FAKE_POLICY" ] && [ -e "$FAKE_POLICY" ]; then "$FAKE_POLICY"; echo "policy: $?" >>"$FAKE/calls"; fi
 case "$*" in
   *install*mesa-vulkan-drivers/bookworm-backports*)
     if [ -e "$FAKE/conflict" ]; then exit 100; fi
@@ -143,6 +144,26 @@ fi
 machine $backports
 settle
 expect "Mesa from backports stays, and nobody is asked" silent
+
+# Daemons that tests start themselves are not started by their packages.
+export FAKE_POLICY=$folder/policy-rc.d
+policy=$FAKE_POLICY
+enabled_units=$folder/wants
+mkdir "$enabled_units"
+touch "$enabled_units/slurmd.service" "$enabled_units/cron.service"
+machine $stock
+(apt_install_idle munge slurmd) >"$folder/said" 2>&1
+expect "they are installed while nothing may be started" grep -q "^install .*munge slurmd$" "$FAKE/calls"
+expect "which the packages were told" grep -q "^policy: 101" "$FAKE/calls"
+expect "none is started with the machine either" [ "$(ls "$enabled_units")" = cron.service ]
+expect "and the machine is not told any longer" [ ! -e "$FAKE_POLICY" ]
+machine $stock
+printf '#!/bin/sh\nexit 0\n' >"$FAKE_POLICY"
+chmod +x "$FAKE_POLICY"
+(apt_install_idle munge slurmd) >"$folder/said" 2>&1
+expect "a machine that lets daemons start gets none" eval 'silent && said "not installing munge slurmd"'
+expect "and keeps its policy" [ -e "$FAKE_POLICY" ]
+rm "$FAKE_POLICY"
 
 # `writer | reader` where the reader may stop early ends the writer by SIGPIPE, which pipefail makes a failure.
 mapfile -t scripts < <(git ls-files '*.sh' .ci/run 2>/dev/null || find . -name '*.sh' -not -path './build/*')

@@ -21,7 +21,8 @@ replay: base capture_format capture_format/reading shaders replay/results replay
 process: base
 web: base
 server/store: base replay/results
-server/nightly: base capture_format scenes/generate replay replay/results replay/measure process server/store
+server/engine: base process replay/results server/store
+server/nightly: base capture_format scenes/generate replay replay/results replay/measure process server/store server/engine
 server: base capture_format replay replay/results replay/measure process web server/store server/nightly
 '
 # The library whose folder a file is in: the longest that leads to it.

@@ -165,7 +165,7 @@ TEST_F(Confined, DescriptorsOfTheServiceStayWithIt) {
 }
 
 TEST_F(Confined, WhoRunsProgramsHasProcessesAndNothingElseMore) {
-  limits_.confinement->runs_programs = true;
+  limits_.confinement->interpreter = "/usr/bin/python3";
   for (const std::string what : {"fork", "run_in_child"}) EXPECT_EQ(confined(what), "done") << what;
   for (const std::string what : {"internet_socket", "local_socket", "socket_pair", "signal", "namespace"}) {
     EXPECT_TRUE(confined(what).starts_with("refused: ")) << what;
@@ -175,6 +175,11 @@ TEST_F(Confined, WhoRunsProgramsHasProcessesAndNothingElseMore) {
   }
   EXPECT_TRUE(confined("write", outside() / "file").starts_with("refused: "));
   EXPECT_TRUE(confined("read", outside() / "file").starts_with("refused: "));
+  const std::string elsewhere = outside() / "interpreter";
+  fs::copy_file("/bin/true", elsewhere);
+  EXPECT_TRUE(confined("run_in_child", elsewhere).starts_with("refused: ")) << "another was named";
+  limits_.confinement->interpreter = elsewhere;
+  EXPECT_EQ(confined("run_in_child", elsewhere), "done");
 }
 
 using ConfinedService = ServiceTest;

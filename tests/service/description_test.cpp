@@ -276,6 +276,7 @@ TEST_F(Description, HoldsForEveryOperationStatusAndMember) {
     each.status = server::CellStatus::passed;
     each.gates = {{"images", server::GateOutcome::passed, "equal"}};
     each.time.references["msaa"] = {1, 2};
+    each.time.rounds = {{1, {{"msaa", 2 + i}}}};
     cell = nights.add_cell(night, each);
     nights.add_frame(cell, stored_result(0, "noaa"), {{"image", stored_image(10, i)}});
     nights.finish(night, server::NightStatus::passed, "");
@@ -283,6 +284,10 @@ TEST_F(Description, HoldsForEveryOperationStatusAndMember) {
   const std::string night_path = "/api/nights/" + std::to_string(night);
   ask("get", "/api/nights?limit=1&before=99&name=quick");
   ask("get", "/api/nights?limit=x");
+  for (const char* const trends : {"/api/nights/trends", "/api/nights/trends.csv"}) {
+    for (const char* const query : {"?name=quick", "?name=quick&capture=one&technique=noaa&limit=9", "?name=other", ""})
+      ask("get", std::string(trends) + query);
+  }
   for (const std::string& of : {night_path, std::string("/api/nights/999999")}) {
     for (const char* const what : {"", "/summary.md", "/summary.xml"}) ask("get", of + what);
     ask("get", of + "/cells/" + std::to_string(cell));

@@ -1,47 +1,14 @@
 // Nothing that was committed is lost: power failures at any moment, and errors of the disk at every call.
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 
 #include "server/store/upkeep.hpp"
+#include "tests/service/disk_calls.hpp"
 #include "tests/service/faulty_vfs.hpp"
 #include "tests/service/store_workload.hpp"
-
-namespace {
-
-// Called at every fsync, fdatasync and link of this program with what was done to which path, from any thread; a number
-// other than 0 is the error it ends with.
-std::function<int(const std::string& call, const std::string& path)> on_disk_call;
-
-std::string path_of(int descriptor) {
-  std::error_code none;
-  return std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor), none).string();
-}
-
-int called(const std::string& call, const std::string& path) {
-  const int error = on_disk_call ? on_disk_call(call, path) : 0;
-  if (error != 0) errno = error;
-  return error == 0 ? 0 : -1;
-}
-
-}  // namespace
-
-// In place of the C library's, for SQLite too.
-extern "C" int fsync(int descriptor) {
-  return called("sync", path_of(descriptor)) != 0 ? -1 : static_cast<int>(::syscall(SYS_fsync, descriptor));
-}
-extern "C" int fdatasync(int descriptor) {
-  return called("sync", path_of(descriptor)) != 0 ? -1 : static_cast<int>(::syscall(SYS_fdatasync, descriptor));
-}
-extern "C" int link(const char* from, const char* to) noexcept {
-  return called("link", to) != 0 ? -1 : static_cast<int>(::syscall(SYS_linkat, AT_FDCWD, from, AT_FDCWD, to, 0));
-}
 
 namespace subpixel::tests {
 namespace {

@@ -84,7 +84,7 @@ inline std::string contents(const std::filesystem::path& file) {
         "SELECT run || '/' || sequence || document FROM frame_results ORDER BY run, sequence",
         "SELECT result || name || median_ms FROM pass_times ORDER BY result, ordinal",
         "SELECT result || role || blob FROM images ORDER BY result, role",
-        "SELECT hash || length(bytes) FROM blobs ORDER BY hash"}) {
+        "SELECT hash || coalesce(outside, length(bytes)) FROM blobs ORDER BY hash"}) {
     server::Statement select(connection, sql);
     while (select.step()) text += select.text() + "\n";
     text += "--\n";

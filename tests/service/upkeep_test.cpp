@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "server/nightly/night_store.hpp"
+#include "server/store/store_access.hpp"
 #include "server/store/upkeep.hpp"
 #include "tests/service/store_workload.hpp"
 
@@ -159,13 +160,19 @@ TEST_F(Upkeep, CheckNamesWhatIsDamaged) {
 TEST_F(Upkeep, LeftoversAreNamedAndCollected) {
   measured(1);
   const server::Blob unnamed{"image/png", "nobody's"};
-  server::store_blob(server::Connection(store_file()), unnamed);
+  {
+    Store store(store_file());
+    const Store::WriteLease writer = store.write();
+    store.store_blob(writer.connection(), unnamed);
+  }
   const fs::path orphan = data() / "captures" / (std::string(32, 'c') + ".spcap"), fresh = data() / "captures" / "new";
   const fs::path cached = data() / "cache" / "a.spref", damaged = data() / "cache" / "b.damaged";
   for (const fs::path& file : {orphan, fresh, cached, damaged}) {
     std::ofstream(file) << "12345";
     if (file != fresh) age(file, 3);
   }
+  fs::create_directories(data() / "cache" / "mesa" / "shaders");  // the driver's
+  age(data() / "cache" / "mesa", 3);
   EXPECT_EQ(check().leftover.size(), 4u) << joined(check().leftover);
 
   const server::Freed would = collect({}, true);

@@ -50,7 +50,8 @@ class Oracle {
     const double last =
         read_.sampler.mip == capture::MipFilter::none ? 0 : static_cast<double>(read_.levels.size() - 1);
     double lod = std::clamp(read_.lod, 0.0, last);
-    if (read_.sampler.mip == capture::MipFilter::nearest) lod = std::ceil(lod + 0.5) - 1;
+    if (read_.sampler.mip == capture::MipFilter::nearest || read_.sampler.mip == capture::MipFilter::nearest_of_means)
+      lod = std::ceil(lod + 0.5) - 1;
     const auto fine = static_cast<std::size_t>(lod);
     const std::size_t coarse = std::min(fine + 1, static_cast<std::size_t>(last));
     const auto a = filtered(fine, uv, nearest), b = filtered(coarse, uv, nearest);
@@ -95,7 +96,7 @@ std::vector<Read> reads() {
     read.sampler.wrap_v = static_cast<capture::Wrap>(i / 3 % 3);
     read.sampler.magnify = static_cast<capture::TexelFilter>(i / 2 % 2);
     read.sampler.minify = static_cast<capture::TexelFilter>(i / 4 % 2);
-    read.sampler.mip = static_cast<capture::MipFilter>(i / 9 % 3);
+    read.sampler.mip = static_cast<capture::MipFilter>(i / 9 % 5);
     read.lod = lods[(i + i / 6) % std::size(lods)];
     const double step = std::exp2(read.lod) / kTexels;
     read.step = {step, step};

@@ -117,6 +117,16 @@ TEST(CaptureVersion, EachFieldAloneNeedsVersion2) {
   }
 }
 
+TEST(CaptureVersion, LevelsOfMeansNeedVersion3) {
+  for (const MipFilter mip : {MipFilter::linear_of_means, MipFilter::nearest_of_means}) {
+    Capture capture = small_capture();
+    capture.textures[1].sampler.mip = mip;
+    const std::vector<std::byte> bytes = encode_capture(capture);
+    EXPECT_EQ(version_of(bytes), 3u);
+    EXPECT_EQ(decode_capture(bytes).textures[1].sampler.mip, mip);
+  }
+}
+
 TEST(CaptureVersion, Version2WithNothingNewIsReadAndWrittenAsVersion1) {
   Capture capture = small_capture();
   capture.metadata.notices = {"x"};
@@ -171,7 +181,7 @@ const std::vector<Lie>& lies() {
       {"texture 0, field sampler.wrap_v", [](Capture& c) { c.textures[0].sampler.wrap_v = Wrap{0xffffffff}; }},
       {"texture 0, field sampler.magnify", [](Capture& c) { c.textures[0].sampler.magnify = TexelFilter{2}; }},
       {"texture 0, field sampler.minify", [](Capture& c) { c.textures[0].sampler.minify = TexelFilter{2}; }},
-      {"texture 0, field sampler.mip", [](Capture& c) { c.textures[0].sampler.mip = MipFilter{3}; }},
+      {"texture 0, field sampler.mip", [](Capture& c) { c.textures[0].sampler.mip = MipFilter{5}; }},
       {"material 1, field normal_scale", [](Capture& c) { leaf(c).normal_scale = kInfinity; }},
       {"material 1, field base_colour_uv.set", [](Capture& c) { leaf(c).base_colour_uv.set = 2; }},
       {"material 1, field base_colour_uv.matrix", [](Capture& c) { leaf(c).base_colour_uv.matrix[0] = kNan; }},

@@ -96,7 +96,7 @@ TEST(NightlyConfig, GatesAreRead) {
   json document = minimal();
   document["gates"] = {{"images", false},
                        {"error", {{"mse", {{"limit", 0.1}, {"relative", 0.02}}}}},
-                       {"time", {{"slower", 0.25}, {"confirm", 1}}},
+                       {"time", {{"slower", 0.25}, {"rounds", 20}, {"alarm", 0.05}}},
                        {"across", {{"relative", 0.05}}}};
   const GateOptions gates = parse(document).gates;
   EXPECT_TRUE(gates.memory);
@@ -104,6 +104,12 @@ TEST(NightlyConfig, GatesAreRead) {
   EXPECT_EQ(gates.error.at("mse").limit, 0.1);
   EXPECT_EQ(gates.error.at("mse").absolute, 0);
   EXPECT_EQ(gates.time_slower, 0.25);
+  EXPECT_EQ(gates.time_rounds, 20u);
+  EXPECT_EQ(gates.time_alarm, 0.05);
+  for (const json& wrong : {json{{"alarm", 0}}, json{{"alarm", 0.6}}, json{{"rounds", 2}}, json{{"confirm", 1}}}) {
+    document["gates"] = {{"time", wrong}};
+    EXPECT_THROW(parse(document), InputError) << wrong;
+  }
   EXPECT_EQ(gates.across_relative, 0.05);
   document["gates"] = {{"time", false}};
   EXPECT_FALSE(parse(document).gates.time);

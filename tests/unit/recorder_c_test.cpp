@@ -416,7 +416,7 @@ TEST_F(RecorderC, WrongFieldsAreNamedAndChangeNothing) {
   refuse_texture("wrap_v", [](auto& texture) { texture.wrap_v = 3; });
   refuse_texture("magnify", [](auto& texture) { texture.magnify = 2; });
   refuse_texture("minify", [](auto& texture) { texture.minify = 2; });
-  refuse_texture("mip", [](auto& texture) { texture.mip = 3; });
+  refuse_texture("mip", [](auto& texture) { texture.mip = 5; });
   refuse_texture("size", [](auto& texture) { texture.format = SUBPIXEL_TEXTURE_BC1; });
   refuse_texture("height", [](auto& texture) { texture.format = SUBPIXEL_TEXTURE_BC7, texture.height = 0; });
   refuse_texture("width", [](auto& texture) { texture.format = SUBPIXEL_TEXTURE_BC7, texture.width = 0xffffffff; });

@@ -74,6 +74,22 @@ TEST(SceneTextures, MipmapsKeepTheCoverageOfTheAlphaTest) {
   for (std::size_t l = 1; l < 3; ++l) EXPECT_NEAR(coverage(kept.levels[l]), wanted, 0.15) << "level " << l;
 }
 
+TEST(SceneTextures, LevelsOfMeansAreWhatTheyAreWhateverTheAlphaTest) {
+  capture::Capture capture;
+  auto& texture = capture.textures.emplace_back();
+  texture.width = texture.height = 2;
+  for (const int value : {255, 0, 0, 0}) texture.bytes.insert(texture.bytes.end(), 4, static_cast<std::byte>(value));
+  const auto smallest = [&](capture::MipFilter mip) {
+    texture.sampler.mip = mip;
+    return load_texture(capture, {0, true, 0.2f}).levels.back()[3];
+  };
+  EXPECT_EQ(smallest(capture::MipFilter::linear_of_means), 64);
+  EXPECT_EQ(smallest(capture::MipFilter::nearest_of_means), 64);
+  // A quarter of the largest level passes, all of the smallest would.
+  EXPECT_NE(smallest(capture::MipFilter::linear), 64);
+  EXPECT_NE(smallest(capture::MipFilter::nearest), 64);
+}
+
 TEST(SceneTextures, DecodesImageFilesOfOneToFourChannels) {
   const std::vector<std::pair<std::uint32_t, std::vector<std::uint8_t>>> cases{
       {1, {51, 51, 51, 255}}, {3, {51, 102, 153, 255}}, {4, {51, 102, 153, 204}}};

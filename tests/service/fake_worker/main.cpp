@@ -185,6 +185,7 @@ replay::FrameResult make_result(const replay::ReplayJob& job, std::uint32_t fram
     result.ms.total_ms += pass.median_ms;
   }
   result.ms.spread_ms = 1.25;
+  result.ms.least_ms = result.ms.total_ms - 0.5;
   result.ms.cold_ms = 400;
   result.memory.paper_bytes_per_pixel = 20.0 * result.samples;
   result.memory.fitted_bytes_per_pixel = 16.0 * result.samples;
@@ -268,6 +269,23 @@ int info(const std::string& path) {
   return 0;
 }
 
+// What a replay of times reports: results without images, `rounds` times.
+int time_rounds(const replay::ReplayJob& job, const json& fake, std::uint32_t width, std::uint32_t height) {
+  const auto [first, last] = job.options.frames.value_or(std::pair{0u, fake.value("frames", 2u) - 1});
+  for (std::uint32_t frame = first; frame <= last; ++frame) {
+    for (std::uint32_t round = 0; round < job.options.rounds; ++round) {
+      for (std::uint32_t index = 0; index < job.options.techniques.size(); ++index) {
+        const json tweak = tweak_of(fake, job.options.techniques[index].technique);
+        json result = replay::to_json(make_result(job, frame, index, width, height, tweak));
+        result["images"] = json::object();
+        say({{"type", "result"}, {"ordinal", index}, {"result", result}});
+      }
+    }
+  }
+  say({{"type", "done"}});
+  return 0;
+}
+
 int work(const std::string& job_path) {
   std::ifstream file(job_path);
   const replay::ReplayJob job = replay::replay_job_from_json(json::parse(file));
@@ -284,7 +302,15 @@ int work(const std::string& job_path) {
        {"head", replay::to_json(make_head(job, fake.value("title", "A fake capture"), width, height))}});
   const auto techniques = static_cast<std::uint32_t>(job.options.techniques.size());
   const std::uint32_t total = (last - first + 1) * techniques;
+  if (job.options.rounds > 0) return time_rounds(job, fake, width, height);
   std::uint32_t done = 0;
+  if (job.options.references_only) {
+    const auto all = static_cast<std::size_t>(total) - job.options.skip.size();
+    if (fake.contains("log"))
+      std::ofstream(fake["log"].get<std::string>(), std::ios::app) << "references " << all << "\n";
+    say({{"type", "done"}});
+    return 0;
+  }
   for (std::uint32_t frame = first; frame <= last; ++frame) {
     for (std::uint32_t index = 0; index < techniques; ++index, ++done) {
       const std::pair<std::uint32_t, std::uint32_t> pair{frame, index};
@@ -445,6 +471,46 @@ int tell(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
+// What `subpixel diff` says: of captures with other `draws` the added ones, and one that changed.
+int differ(const std::vector<std::string>& arguments) {
+  const json a = read_fake_capture(arguments[1]), b = read_fake_capture(arguments[2]);
+  if (b.value("how", "") == "diff_kill") ::raise(SIGKILL);
+  const int draws_a = a.value("draws", 2), draws_b = b.value("draws", 2);
+  json added = json::array();
+  for (int draw = draws_a; draw < draws_b; ++draw) added.push_back({{"draw", draw}, {"name", "<b>new</b> tree"}});
+  json changed = json::array();
+  if (draws_a != draws_b) {
+    changed.push_back({{"a", 0},
+                       {"b", 0},
+                       {"name", "trunk"},
+                       {"renamed", false},
+                       {"matched_by", "name"},
+                       {"moved", nullptr},
+                       {"mesh", json::array()},
+                       {"material", {{{"field", "roughness"}, {"a", 0.5}, {"b", 0.7}}}},
+                       {"textures", json::array()}});
+  }
+  const bool same = a == b;
+  std::cout << json{{"same", same},
+                    {"fields", json::array()},
+                    {"frames_a", 1},
+                    {"frames_b", 1},
+                    {"frames",
+                     {{{"frame", 0},
+                       {"same", same},
+                       {"fields", json::array()},
+                       {"draws_a", draws_a},
+                       {"draws_b", draws_b},
+                       {"equal", draws_a - static_cast<int>(changed.size())},
+                       {"reordered", 0},
+                       {"added", added},
+                       {"gone", json::array()},
+                       {"changed", changed}}}}}
+                   .dump(1)
+            << "\n";
+  return same ? 0 : 1;
+}
+
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   if (arguments.size() == 3 && arguments[0] == "info" && arguments[2] == "--json") return info(arguments[1]);
@@ -452,6 +518,7 @@ int main(int argc, char** argv) {
   if (arguments.size() == 3 && arguments[0] == "worker" && arguments[1] == "--job") return work(arguments[2]);
   if (arguments.size() == 3 && arguments[0] == "probe") return tests::probe(arguments[1], arguments[2]);
   if (arguments.size() > 3 && arguments[0] == "pixel" && arguments[2] == "--json") return tell(arguments);
+  if (arguments.size() == 4 && arguments[0] == "diff" && arguments[3] == "--json") return differ(arguments);
   std::cerr << "usage: info FILE --json [OPTIONS] | worker --job FILE | pixel FILE --json OPTIONS | probe WHAT PATH\n";
   return 2;
 }

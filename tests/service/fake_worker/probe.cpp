@@ -95,7 +95,10 @@ const std::map<std::string, std::function<long(const std::string&)>>& tries() {
          return ::socketpair(AF_UNIX, SOCK_STREAM, 0, ends);
        }},
       {"fork", [](const std::string&) { return forked([] { errno = 0; }); }},
-      {"run_in_child", [](const std::string&) { return forked([] { become("/bin/true"); }); }},
+      {"run_in_child",
+       [](const std::string& program) {
+         return forked([&] { become(program.empty() ? "/bin/true" : program.c_str()); });
+       }},
       {"run", [](const std::string&) { return become("/bin/true"), -1; }},
       {"run_itself", [](const std::string& path) { return become(path.c_str()), -1; }},
       {"run_itself_forbidden",

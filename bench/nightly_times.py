@@ -1,0 +1,179 @@
+#!/usr/bin/env python3
+"""Can a night's times be trusted? Runs short nights that nothing has changed for, then nights with one technique made a
+tenth slower, and counts alarms of the time gate.
+
+    bench/nightly_times.py FOLDER [--build build/release] [--unchanged 50] [--slower 10] [--busy 2] [--share 0.1]
+
+The slower technique is fxaa: its filter, compiled into a shader folder of its own (SUBPIXEL_SHADERS), goes through a loop
+of idle arithmetic besides, as long as makes the whole technique slower by the share that is asked for, which is set by
+measuring and then measured once more. Its image is the same. --busy starts so many processes that compute and pause by
+chance all the while. Prints one line a night and a summary; exit code 1 when an unchanged night alarmed or fewer than 9
+in 10 slower ones were caught."""
+import argparse
+import json
+import math
+import os
+import random
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+
+ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), '..'))
+FILTER = 'techniques/fxaa/filter.frag'
+PLACE = '  vec4 own = texelFetch(values, pixel, 0);\n'
+CONFIG = {
+    'name': 'times', 'techniques': 'noaa,msaa:samples=4,fxaa', 'samples': 8, 'size': [128, 72], 'frames': [0, 0],
+    'repeat': 7, 'reference_samples': 0, 'captures': [{'scene': 'grass', 'density': 0.05}],
+    'gates': {'time': {'slower': 0.03, 'minimum_ms': 1, 'alarm': 0.01, 'rounds': 16}},
+}
+
+
+def burn(seed):
+    """Computes for a while, pauses for a while, both by chance."""
+    chance = random.Random(seed)
+    while True:
+        end = time.monotonic() + chance.uniform(0.05, 1.5)
+        while time.monotonic() < end:
+            sum(i * i for i in range(1000))
+        time.sleep(chance.uniform(0.05, 1.5))
+
+
+class Bench:
+    def __init__(self, folder, build):
+        self.folder, self.build = os.path.abspath(folder), os.path.abspath(build)
+        self.subpixel = os.path.join(self.build, 'subpixel')
+        os.makedirs(self.folder, exist_ok=True)
+        self.config = os.path.join(self.folder, 'times.json')
+        with open(self.config, 'w', encoding='utf-8') as file:
+            json.dump(CONFIG, file)
+        self.plain, self.slow = os.path.join(self.folder, 'plain'), os.path.join(self.folder, 'slow')
+        for shaders in (self.plain, self.slow):
+            if not os.path.isdir(shaders):
+                shutil.copytree(os.path.join(self.build, 'spirv'), shaders)
+
+    def slow_filter(self, steps):
+        with open(os.path.join(ROOT, 'shaders', FILTER), encoding='utf-8') as file:
+            source = file.read()
+        assert PLACE in source
+        idle = (f'  float idle = m; for (uint i = 0u; i < {steps}u; ++i) idle = fract(idle * 1.7 + 0.3);\n'
+                '  vec4 own = texelFetch(values, pixel, 0) + vec4(vec3(idle * 1e-35), 0.0);\n')
+        path = os.path.join(self.folder, 'filter.frag')
+        with open(path, 'w', encoding='utf-8') as file:
+            file.write(source.replace(PLACE, idle))
+        subprocess.run(['glslangValidator', '-V', '--target-env', 'vulkan1.3', '-I' + os.path.join(ROOT, 'shaders'),
+                        '--quiet', '-o', os.path.join(self.slow, FILTER + '.spv'), path], check=True)
+
+    def ratios(self, shaders, rounds, capture):
+        """fxaa's processor time over the mean of msaa's and noaa's logarithms, one for each round."""
+        out = os.path.join(self.folder, 'out')
+        techniques = [{'technique': 'noaa', 'parameters': {}}, {'technique': 'msaa', 'parameters': {'samples': 4}},
+                      {'technique': 'fxaa', 'parameters': {}}]
+        job = {'capture': capture, 'out_dir': out, 'cache_dir': os.path.join(self.folder, 'cache'),
+               'options': {'techniques': techniques, 'samples': 8, 'frames': [0, 0], 'width': 128, 'height': 72,
+                           'repeat': 7, 'reference_samples': 0, 'point_lights': None, 'rounds': rounds}}
+        path = os.path.join(self.folder, 'job.json')
+        with open(path, 'w', encoding='utf-8') as file:
+            json.dump(job, file)
+        done = subprocess.run([self.subpixel, 'worker', '--job', path], capture_output=True, text=True, check=True,
+                              env=dict(os.environ, SUBPIXEL_SHADERS=shaders))
+        ms = {}
+        for line in done.stdout.splitlines():
+            message = json.loads(line)
+            if message['type'] == 'result':
+                ms.setdefault(message['result']['technique'], []).append(message['result']['ms']['processor'])
+        return [math.log(f) - 0.5 * (math.log(m) + math.log(n)) for f, m, n in zip(ms['fxaa'], ms['msaa'], ms['noaa'])]
+
+    def share(self, capture, rounds):
+        """By how much the slow shaders' fxaa is slower, from rounds of both in turn."""
+        plain, slow = [], []
+        for _ in range(rounds):
+            plain += self.ratios(self.plain, 4, capture)
+            slow += self.ratios(self.slow, 4, capture)
+        return math.exp(statistics.median(slow) - statistics.median(plain)) - 1
+
+    def tune(self, wanted):
+        capture = os.path.join(self.folder, 'grass.spcap')
+        subprocess.run([self.subpixel, 'generate', 'grass', capture, '--frames', '1', '--size', '128x72', '--density',
+                        '0.05'], check=True, stdout=subprocess.DEVNULL)
+        steps, per_step = 400, None
+        for _ in range(4):
+            self.slow_filter(steps)
+            share = self.share(capture, 2)
+            print(f'{steps} steps: fxaa {100 * share:+.1f}%', flush=True)
+            if abs(share - wanted) < 0.012:
+                break
+            per_step = max(share, 0.002) / steps
+            steps = max(1, int(wanted / per_step))
+        self.slow_filter(steps)
+        return steps, self.share(capture, 4)
+
+    def night(self, shaders, data):
+        path = os.path.join(self.folder, 'night.json')
+        done = subprocess.run([self.subpixel, 'nightly', '--config', self.config, '--data', data, '--json', path],
+                              capture_output=True, text=True, env=dict(os.environ, SUBPIXEL_SHADERS=shaders))
+        if done.returncode not in (0, 1):
+            sys.exit(done.stderr)
+        with open(path, encoding='utf-8') as file:
+            return json.load(file)
+
+
+def failures(night):
+    return [(cell['technique'], gate['gate'], gate['detail']) for cell in night['cells'] for gate in cell['gates']
+            if gate['outcome'] == 'failed']
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('folder')
+    parser.add_argument('--build', default=os.path.join(ROOT, 'build/release'))
+    parser.add_argument('--unchanged', type=int, default=50)
+    parser.add_argument('--slower', type=int, default=10)
+    parser.add_argument('--busy', type=int, default=2)
+    parser.add_argument('--share', type=float, default=0.1)
+    options = parser.parse_args()
+    bench = Bench(options.folder, options.build)
+    steps, measured = bench.tune(options.share)
+    print(f'the slower fxaa: {steps} steps of idling, measured {100 * measured:+.1f}%', flush=True)
+    burners = [subprocess.Popen([sys.executable, '-c', 'import sys; sys.path.insert(0, sys.argv[1]); import nightly_times;'
+                                 f' nightly_times.burn({i})', os.path.dirname(os.path.abspath(__file__))])
+               for i in range(options.busy)]
+    try:
+        data = os.path.join(bench.folder, 'data')
+        shutil.rmtree(data, ignore_errors=True)
+        bench.night(bench.plain, data)
+        subprocess.run([bench.subpixel, 'baseline', 'set', 'times', '--data', data], check=True,
+                       stdout=subprocess.DEVNULL)
+        alarms = caught = 0
+        noises, took = [], []
+        for i in range(options.unchanged):
+            start = time.monotonic()
+            night = bench.night(bench.plain, data)
+            took.append(time.monotonic() - start)
+            noises.append(night['facts'].get('noise', 0))
+            failed = failures(night)
+            alarms += 1 if failed else 0
+            print(f'unchanged {i + 1}: {took[-1]:.1f} s, {night["times"]} {failed or ""}', flush=True)
+        for i in range(options.slower):
+            # Each against the same nights: a slow one that passes is not to be compared with by the next.
+            copy = os.path.join(bench.folder, 'data_slower')
+            shutil.rmtree(copy, ignore_errors=True)
+            shutil.copytree(data, copy)
+            night = bench.night(bench.slow, copy)
+            failed = failures(night)
+            hit = any(technique == 'fxaa' and gate == 'time' for technique, gate, _ in failed)
+            caught += 1 if hit else 0
+            print(f'slower {i + 1}: {"caught" if hit else "missed"} {failed or [c for c in night["cells"] if c["technique"] == "fxaa"][0]["gates"]}', flush=True)
+        print(f'unchanged nights: {options.unchanged}, alarms: {alarms}, '
+              f'noise {100 * statistics.median(noises):.1f}% (up to {100 * max(noises):.1f}%), '
+              f'{statistics.median(took):.1f} s a night' if noises else 'no unchanged nights')
+        print(f'fxaa slower by {100 * measured:.1f}%: caught in {caught} of {options.slower} nights')
+        return 0 if alarms == 0 and caught >= 0.9 * options.slower else 1
+    finally:
+        for burner in burners:
+            burner.kill()
+
+
+if __name__ == '__main__':
+    sys.exit(main())
