@@ -28,7 +28,8 @@ std::shared_ptr<EngineFlags> add_engine_options(CLI::App& verb) {
                         "Folder that is at the same path on every node; default: the one results go to"));
   group(verb.add_option("--partition", flags->partition, "Partition; default: Slurm's"));
   group(verb.add_option("--sbatch", flags->sbatch,
-                        "An option for sbatch, as --sbatch=--exclusive; more than once for more"));
+                        "An option for sbatch, as --sbatch=--exclusive; more than once for more")
+            ->allow_extra_args(false));
   group(verb.add_option("--shard-seconds", flags->shard_seconds, "Work of a shard by the last night's times")
             ->check(CLI::Range(1.0, 1e6))
             ->capture_default_str());

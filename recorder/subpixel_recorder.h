@@ -130,12 +130,14 @@ enum subpixel_texture_format {
 
 enum subpixel_wrap { SUBPIXEL_WRAP_REPEAT = 0, SUBPIXEL_WRAP_CLAMP_TO_EDGE = 1, SUBPIXEL_WRAP_MIRRORED_REPEAT = 2 };
 enum subpixel_filter { SUBPIXEL_FILTER_LINEAR = 0, SUBPIXEL_FILTER_NEAREST = 1 };
+/* NONE: level 0 always. OF_MEANS: a level's alpha is the mean of the finer level's, as most engines have it; with
+   LINEAR and NEAREST it is scaled so that as many texels pass an alpha test as at level 0. */
 enum subpixel_mip {
   SUBPIXEL_MIP_LINEAR = 0,
   SUBPIXEL_MIP_NEAREST = 1,
-  SUBPIXEL_MIP_NONE = 2,            /* level 0 always */
-  SUBPIXEL_MIP_LINEAR_OF_MEANS = 3, /* a level's alpha is the mean of the finer level's, as most engines have it; with */
-  SUBPIXEL_MIP_NEAREST_OF_MEANS = 4 /* 0 and 1 it is scaled so that as many texels pass an alpha test as at level 0 */
+  SUBPIXEL_MIP_NONE = 2,
+  SUBPIXEL_MIP_LINEAR_OF_MEANS = 3,
+  SUBPIXEL_MIP_NEAREST_OF_MEANS = 4
 };
 
 typedef struct subpixel_texture {

@@ -240,6 +240,13 @@ export class CompareView {
     this.element.dispatchEvent(new CustomEvent('pixelchosen', {bubbles: true, detail: {x, y, layer: this.#shown[index]?.layers[0]}}));
   }
 
+  /** The pixel under the pointer; without one, in the middle of what is seen. */
+  chooseHere() {
+    const {width, height} = this.geometry.canvas;
+    const under = this.geometry.under(this.#pointer ?? {x: width / 2, y: height / 2});
+    if (under?.inside) this.choosePixel(under);
+  }
+
   dragBox(from, to) {
     if (!from || !to) return;
     this.#state.box = boxBetween(from, to, this.geometry.size);

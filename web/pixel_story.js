@@ -11,7 +11,13 @@ const colourOf = (fragment) => (fragment === null ? 'transparent' : colours[frag
 
 export class PixelStory {
   #turn = 0;
+  #closed;
   element = h('section.pixel-story', {hidden: true, 'aria-label': "A pixel's story"});
+
+  /** `closed()` is called when it is closed. */
+  constructor(closed) {
+    this.#closed = closed;
+  }
 
   /** Asks for the story of `pixel` {x, y} of a run's frame and shows it. */
   async show(run, technique, parameters, frame, pixel) {
@@ -43,6 +49,7 @@ export class PixelStory {
   #close() {
     ++this.#turn;
     this.element.hidden = true;
+    this.#closed();
   }
 }
 

@@ -15,7 +15,7 @@ const framesAhead = {playing: 3, still: 1};
 
 export class RunImages {
   view;
-  story = new PixelStory();
+  story = new PixelStory(() => this.#address.set({pixel: null}));
   chips = h('div.chips', {role: 'group', 'aria-label': 'What is shown'});
   state = h('p.quiet', {role: 'status'});
   files = h('p.files', {});
@@ -23,6 +23,8 @@ export class RunImages {
   #shown;        // {run, rows, row, frame}, the page's
   #address;
   #layerKeys;
+  #compared;              // keys of the two layers that are compared: results that are not there yet may have them
+  #placed = {a: 0, b: 1}; // where they are, or what is shown in their place
   #list;
   #chipsFor = '';
   #filesFor = '';
@@ -36,11 +38,16 @@ export class RunImages {
     this.#layerKeys = address.text('layers') ? address.text('layers').split(',').slice(0, maxLayers) : this.#usualKeys();
     this.view = new CompareView((state) => {
       saveView(address, state);
+      if (state.a !== this.#placed.a || state.b !== this.#placed.b) this.#compare(state);
       this.#drawChips();
     });
-    this.view.restore(loadView(address));
+    const state = loadView(address);
+    this.view.restore(state);
+    this.#compared = [this.#layerKeys[state.a], this.#layerKeys[state.b]];
     this.#list = new LayerList(shown, (keys) => this.#setLayerKeys(keys));
-    this.view.element.addEventListener('pixelchosen', ({detail}) => this.#tell(detail));
+    this.view.element.addEventListener('pixelchosen', ({detail}) => this.#choose(detail));
+    const [x, y, row, frame] = address.text('pixel').split(',').map(Number);
+    if ([x, y, frame].every((number) => Number.isInteger(number) && number >= 0) && shown.rows[row]) this.#tell({x, y, row, frame});
   }
 
   get layerList() {
@@ -54,11 +61,18 @@ export class RunImages {
     return ['*:image', ...(baseline ? [`${rows.indexOf(baseline)}:image`] : []), '*:shading'];
   }
 
-  // The story of a pixel of the layer that was clicked.
-  #tell({x, y, layer}) {
-    const {run, rows, row, frame} = this.#shown;
-    const index = layer?.key.split(':')[0] ?? '*';  // a layer's key begins with its row, or "*" for the selected one
-    const {technique, parameters} = rows[index === '*' ? row : Number(index)] ?? rows[row];
+  // A pixel of the layer that was clicked. Its story stays that of the frame and technique at hand now.
+  #choose({x, y, layer}) {
+    const {rows, row, frame} = this.#shown;
+    const place = layer?.key.split(':')[0] ?? '*';  // a layer's key begins with its row, or "*" for the selected one
+    const chosen = {x, y, row: place === '*' || !rows[place] ? row : Number(place), frame};
+    this.#address.set({pixel: [x, y, chosen.row, frame].join(',')});
+    this.#tell(chosen);
+  }
+
+  #tell({x, y, row, frame}) {
+    const {run, rows} = this.#shown;
+    const {technique, parameters} = rows[row];
     this.story.show(run, technique, parameters, frame, {x, y});
   }
 
@@ -89,15 +103,22 @@ export class RunImages {
     for (const part of this.#later) part.ask();
   }
 
+  #compare(state) {
+    this.#placed = {a: state.a, b: state.b};
+    this.#compared = [this.view.layers[state.a]?.key, this.view.layers[state.b]?.key];
+  }
+
   // The two that are compared stay the same by their keys.
   #showLayers(layers) {
-    const before = this.view.layers;
     const {a, b} = this.view.state;
-    const index = (i) => {
-      const kept = layers.findIndex(({key}) => key === before[i]?.key);
+    const index = (key, i) => {
+      const kept = layers.findIndex((layer) => layer.key === key);
       return kept >= 0 ? kept : Math.min(i, layers.length - 1);
     };
-    this.view.setLayers(layers, before.length > 0 ? {a: index(a), b: index(b)} : {});
+    this.#placed = {a: index(this.#compared[0], a), b: index(this.#compared[1], b)};
+    this.view.setLayers(layers, this.#placed);
+    // One that was taken away is no longer waited for.
+    this.#compared = this.#compared.map((key, i) => (this.#layerKeys.includes(key) ? key : layers[i === 0 ? this.#placed.a : this.#placed.b].key));
     const {run, frame: now} = this.#shown;
     const ahead = this.#playing ? framesAhead.playing : framesAhead.still;
     this.view.settled.then(() => {

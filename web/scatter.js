@@ -2,6 +2,7 @@
 // nothing beats in both. A point selects its row.
 import {h, replace} from './dom.js';
 import {download} from './files.js';
+import {placeLabels} from './labels.js';
 import {Later} from './later.js';
 import {measureOf, measures, measureTitle, paretoFront, valueOf} from './measures.js';
 import {axes, colours, s, svgText} from './svg.js';
@@ -26,29 +27,28 @@ export function scatterSvg(rows, {x: keyX, y: keyY, logX, logY, baseline}, onSel
   const at = (p) => `${x.place(p.x).toFixed(1)},${y.place(p.y).toFixed(1)}`;
   const front = paretoFront(shown.map((p) => p.row), keyX, keyY, baseline);
   const frontPoints = front.map((row) => shown.find((p) => p.row === row));
-  const placed = [];
+  const places = shown.map((p) => ({x: x.place(p.x), y: y.place(p.y), text: p.row.label}));
+  const labels = placeLabels(places, {left: box.left, right: width, top: 0, bottom: box.bottom});
   return s('svg', {viewBox: `0 0 ${width} ${height}`, width, height, role: 'group', 'aria-label': `${measureTitle(my)} against ${measureTitle(mx)}`}, frame,
     frontPoints.length > 1 && s('polyline', {class: 'front', points: frontPoints.map(at).join(' '), fill: 'none', stroke: 'currentColor', 'stroke-width': 5, 'stroke-opacity': 0.18, 'stroke-linejoin': 'round'}),
     [...families.values()].filter((family) => family.length > 1).map((family) => s('polyline', {class: 'family', points: [...family].sort((p, q) => p.x - q.x).map(at).join(' '),
       fill: 'none', stroke: colourOf(family[0].row), 'stroke-width': 1.5, 'stroke-dasharray': family[0].row.run === rows[0].run ? null : '4 3'})),
-    shown.map((p) => {
+    labels.map((label, i) => label && label.dy !== 0 && s('line', {x1: places[i].x, y1: places[i].y, x2: label.x, y2: label.y - 4, stroke: 'currentColor', 'stroke-opacity': 0.35})),
+    shown.map((p, i) => {
       const best = front.includes(p.row);
       const select = (event) => {
         event.preventDefault();
         onSelect?.(p.row.select);
       };
-      const [px, py] = [x.place(p.x), y.place(p.y)];
-      // The label goes where no other is yet.
-      const left = px > box.right - 150;
-      let dy = 4;
-      while (placed.some((other) => Math.abs(other.x - px) < 120 && Math.abs(other.y - (py + dy)) < 12) && dy < 40) dy += 12;
-      placed.push({x: px, y: py + dy});
+      const {x: px, y: py} = places[i];
+      const label = labels[i];
       return s('g', {class: 'point', 'data-row': p.row.select, ...(onSelect ? {tabindex: 0, role: 'button', 'aria-pressed': String(Boolean(p.row.selected)),
         'aria-label': `${p.row.label}: ${measureTitle(mx)} ${mx.text(p.x)}, ${measureTitle(my)} ${my.text(p.y)}${best ? ', on the front' : ''}`,
         onclick: select, onkeydown: (event) => ['Enter', ' '].includes(event.key) && select(event)} : {})},
       s('circle', {cx: px, cy: py, r: 13, fill: 'transparent'}),
       s('circle', {cx: px, cy: py, r: p.row.selected ? 7.5 : 5.5, fill: colourOf(p.row), stroke: 'currentColor', 'stroke-width': best ? 2 : 0.5}),
-      s('text', {x: left ? px - 10 : px + 10, y: py + dy, 'font-size': 11.5, fill: 'currentColor', 'font-family': 'system-ui, sans-serif', 'text-anchor': left ? 'end' : 'start'}, p.row.label));
+      label && s('text', {x: label.x, y: label.y, 'font-size': 11.5, fill: 'currentColor', 'font-family': 'system-ui, sans-serif', 'text-anchor': label.anchor}, p.row.label),
+      s('title', {}, p.row.label));
     }));
 }
 

@@ -110,6 +110,10 @@ export function listenToView(view, canvas, minimap) {
     view.zoomTo(view.geometry.placement(cell).scale * 1.25 ** -Math.sign(event.deltaY), cell, {x: point.x - cell.x, y: point.y - cell.y});
   }, {passive: false});
   canvas.addEventListener('keydown', (event) => {
+    if (event.key === 'Enter') {
+      event.preventDefault();
+      view.chooseHere();
+    }
     const arrow = arrows[event.key];
     if (!arrow || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
@@ -153,6 +157,8 @@ export function viewKeys(view) {
 /** What else there is to know of the view's keys and pointer. */
 export const viewHints = [
   {keys: ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown'], text: 'on the picture: move it; with Shift: move the box', act: () => {}},
+  {keys: ['Enter'], text: 'on the picture: the story of the pixel under the pointer, or of the one in the middle', act: () => {}},
+  {keys: ['click'], text: "the pixel's story", act: () => {}},
   {keys: ['drag'], text: 'move the picture or the line; with Shift: draw a box', act: () => {}},
   {keys: ['wheel'], text: 'zoom', act: () => {}},
   {keys: ['fingers'], text: 'two zoom and move the picture', act: () => {}},

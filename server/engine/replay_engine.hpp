@@ -26,7 +26,6 @@ struct ReplayRequest {
   replay::ReplayJob job;
   // What each technique of the job took over all its frames the last time; empty when that is not known.
   std::vector<double> technique_seconds;
-  bool undivided = false;  // times of its results are compared with each other: one process has to measure them
 };
 
 // What a request came to after its results.

@@ -19,8 +19,9 @@ std::vector<Shard> plan_shards(const ReplayRequest& request, std::size_t number,
       costs[i] = request.technique_seconds[i] / static_cast<double>(frames) / std::max(size.seconds, 1e-3);
   }
   const double frame_cost = std::accumulate(costs.begin(), costs.end(), 0.0);
+  // Times may be anything: clamped before they are numbers of shards.
   const auto pieces = [](double cost, std::size_t most) {
-    return std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(cost - 1e-9)), 1, std::max<std::size_t>(most, 1));
+    return static_cast<std::size_t>(std::clamp(std::ceil(cost - 1e-9), 1.0, static_cast<double>(most)));
   };
   std::vector<Shard> shards;
   const auto add = [&](std::uint32_t begin, std::uint32_t end, std::uint32_t low, std::uint32_t high) {
@@ -34,12 +35,12 @@ std::vector<Shard> plan_shards(const ReplayRequest& request, std::size_t number,
     shards.push_back(std::move(shard));
   };
   const bool fits = frame_cost <= 1;
-  const std::size_t per_shard = fits ? static_cast<std::size_t>(1 / std::max(frame_cost, 1e-9)) : 1;
-  const std::size_t groups = request.undivided ? 1 : (frames + per_shard - 1) / std::max<std::size_t>(per_shard, 1);
+  const std::size_t per_shard = fits ? static_cast<std::size_t>(1 / std::max(frame_cost, 1e-9) + 1e-9) : 1;
+  const std::size_t groups = (frames + per_shard - 1) / std::max<std::size_t>(per_shard, 1);
   for (std::size_t group = 0; group < groups; ++group) {
     const auto begin = static_cast<std::uint32_t>(first + frames * group / groups);
     const auto end = static_cast<std::uint32_t>(first + frames * (group + 1) / groups);
-    const std::size_t parts = request.undivided || fits ? 1 : pieces(frame_cost, techniques);
+    const std::size_t parts = fits ? 1 : pieces(frame_cost, techniques);
     std::uint32_t low = 0;
     double done = 0;
     for (std::size_t part = 1; part <= parts && low < techniques; ++part) {

@@ -191,15 +191,15 @@ std::vector<std::string> SlurmCommands::usable_nodes() const {
 }
 
 std::string SlurmCommands::nodes_in_words() const {
-  std::vector<std::string> arguments{"-h", "-N", "-o", "%N|%T|%a|%E"};
+  std::vector<std::string> arguments{"-h", "-N", "-o", "%N|%T|%a|%P|%E"};
   if (!partition_.empty()) arguments.push_back("--partition=" + partition_);
   std::vector<std::string> words;
   for (const std::string_view line : split(ask("sinfo", arguments).output, '\n')) {
     const std::vector<std::string_view> parts = split(line, '|');
-    if (parts.size() < 4 || words.size() >= 8) continue;
+    if (parts.size() < 5 || words.size() >= 8 || (partition_.empty() && !parts[3].ends_with('*'))) continue;
     words.push_back(fmt::format("{} {}{}{}", plain(parts[0]), plain(parts[1]),
                                 parts[2] == "up" ? "" : fmt::format(", partition {}", plain(parts[2])),
-                                parts[3].empty() || parts[3] == "none" ? "" : fmt::format(" ({})", plain(parts[3]))));
+                                parts[4].empty() || parts[4] == "none" ? "" : fmt::format(" ({})", plain(parts[4]))));
   }
   return words.empty() ? "there are no nodes" : fmt::format("{}", fmt::join(words, ", "));
 }

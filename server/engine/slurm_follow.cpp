@@ -23,6 +23,7 @@ void Replaying::follow() {
     if (task.stage == Stage::submitted) open.insert(task.batch);
   }
   if (open.empty()) return;
+  names.reserve(open.size());
   for (const std::size_t array : open) names.push_back(arrays_[array].name);
   const std::map<ArrayTask, TaskState> queue = slurm_.queued(names);
   std::map<std::size_t, std::vector<std::uint32_t>> left;  // by array: tasks that are in no queue

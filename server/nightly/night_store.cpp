@@ -91,16 +91,21 @@ void insert_image(const Connection& connection, std::int64_t frame, const std::s
 // Returns the blobs outside that then nothing names.
 std::vector<std::string> drop_rows(const Connection& connection, std::string_view name, std::uint32_t keep) {
   Transaction transaction(connection);
-  Statement(connection,
-            "WITH kept AS (SELECT id, baseline_night FROM nights WHERE name = ?1 ORDER BY id DESC LIMIT ?2) "
-            "DELETE FROM nights WHERE name = ?1 AND id NOT IN (SELECT id FROM kept) "
-            "AND id NOT IN (SELECT night FROM baselines) "
-            "AND id NOT IN (SELECT baseline_night FROM kept WHERE baseline_night IS NOT NULL)")
-      .bind(name)
-      .bind(std::int64_t{keep})
-      .run();
+  Statement old(connection,
+                "WITH kept AS (SELECT id, baseline_night FROM nights WHERE name = ?1 ORDER BY id DESC LIMIT ?2) "
+                "SELECT id FROM nights WHERE name = ?1 AND id NOT IN (SELECT id FROM kept) "
+                "AND id NOT IN (SELECT night FROM baselines) "
+                "AND id NOT IN (SELECT baseline_night FROM kept WHERE baseline_night IS NOT NULL)");
   std::vector<std::string> outside;
-  if (connection.changes() > 0) outside = delete_unnamed_blobs(connection);
+  for (const std::string& night : texts(old.bind(name).bind(std::int64_t{keep}))) {
+    Statement named(
+        connection,
+        "SELECT DISTINCT i.blob FROM night_cells c JOIN night_frames f ON f.cell = c.id JOIN night_images i "
+        "ON i.frame = f.id WHERE c.night = ?");
+    const std::vector<std::string> blobs = texts(named.bind(night));
+    Statement(connection, "DELETE FROM nights WHERE id = ?").bind(night).run();
+    for (std::string& hash : delete_unnamed_blobs(connection, blobs)) outside.push_back(std::move(hash));
+  }
   transaction.commit();
   return outside;
 }

@@ -76,6 +76,7 @@ bool is_stored(const Connection& connection, const std::string& hash) {
 }
 
 void copy_blobs(const Connection& copied, const LargeBlobs& from, LargeBlobs& to, BackupReport& report) {
+  if (large_blob_bytes(copied)) to.prepare();
   Statement rows(copied, "SELECT hash, outside FROM blobs WHERE outside IS NOT NULL ORDER BY hash");
   while (rows.step()) {
     const std::string hash = rows.text();

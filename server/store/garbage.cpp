@@ -57,21 +57,23 @@ class Collection {
         "CREATE TEMP TABLE gone_captures (hash TEXT PRIMARY KEY); BEGIN");
     choose_rows(c);
     choose_captures(c);
-    Statement blobs(
-        c,
-        "SELECT count(*), coalesce(sum(length(bytes)), 0), count(outside), coalesce(sum(outside), 0) FROM blobs "
-        "WHERE "
-        "NOT EXISTS (SELECT 1 FROM images i JOIN frame_results f ON f.id = i.result JOIN runs r ON r.id = "
-        "f.run WHERE i.blob = blobs.hash AND f.run NOT IN gone_runs AND r.capture NOT IN gone_captures) "
-        "AND NOT EXISTS (SELECT 1 FROM night_images i JOIN night_frames f ON f.id = i.frame JOIN "
-        "night_cells n ON n.id = f.cell WHERE i.blob = blobs.hash AND n.night NOT IN gone_nights) "
-        "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash AND hash NOT IN "
-        "gone_captures)");
-    blobs.step();
-    freed_.blobs = static_cast<std::uint64_t>(blobs.integer());
-    freed_.store_bytes = static_cast<std::uint64_t>(blobs.integer());
-    freed_.files += static_cast<std::uint64_t>(blobs.integer());
-    freed_.file_bytes += static_cast<std::uint64_t>(blobs.integer());
+    Statement blobs(c,
+                    "SELECT hash, length(bytes), outside FROM blobs WHERE "
+                    "NOT EXISTS (SELECT 1 FROM images i JOIN frame_results f ON f.id = i.result JOIN runs r ON r.id = "
+                    "f.run WHERE i.blob = blobs.hash AND f.run NOT IN gone_runs AND r.capture NOT IN gone_captures) "
+                    "AND NOT EXISTS (SELECT 1 FROM night_images i JOIN night_frames f ON f.id = i.frame JOIN "
+                    "night_cells n ON n.id = f.cell WHERE i.blob = blobs.hash AND n.night NOT IN gone_nights) "
+                    "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash AND hash NOT IN "
+                    "gone_captures)");
+    while (blobs.step()) {
+      blobs_.push_back(blobs.text());
+      freed_.store_bytes += static_cast<std::uint64_t>(blobs.integer());
+      if (const std::optional<std::string> outside = blobs.optional_text()) {
+        ++freed_.files;
+        freed_.file_bytes += std::stoull(*outside);
+      }
+    }
+    freed_.blobs = blobs_.size();
     runs_ = keys_of(c, "SELECT id FROM gone_runs");
     nights_ = keys_of(c, "SELECT id FROM gone_nights");
     captures_ = keys_of(c, "SELECT hash FROM gone_captures");
@@ -122,10 +124,8 @@ class Collection {
   }
 
   static std::vector<std::string> keys_of(const Connection& c, const char* sql) {
-    std::vector<std::string> keys;
     Statement select(c, sql);
-    while (select.step()) keys.push_back(select.text());
-    return keys;
+    return texts(select);
   }
 
   void delete_rows(const char* sql, const std::vector<std::string>& keys) {
@@ -139,33 +139,19 @@ class Collection {
     }
   }
 
+  // Those chosen that nothing names now; what came to be unnamed since waits for the next time.
   void delete_blobs() {
-    for (std::int64_t last = 0;;) {
-      std::vector<std::int64_t> rows;
+    for (std::size_t first = 0; first < blobs_.size(); first += kAtATime) {
+      const auto begin = blobs_.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto end = begin + static_cast<std::ptrdiff_t>(std::min(kAtATime, blobs_.size() - first));
       std::vector<std::string> outside;
       {
         const Store::WriteLease writer = store_.write();
         Transaction transaction(writer.connection());
-        {
-          Statement unnamed(writer.connection(),
-                            fmt::format("SELECT rowid, hash, outside FROM blobs WHERE rowid > ? AND {} ORDER BY rowid "
-                                        "LIMIT {}",
-                                        kBlobIsUnnamed, kAtATime));
-          unnamed.bind(last);
-          while (unnamed.step()) {
-            rows.push_back(unnamed.integer());
-            std::string hash = unnamed.text();
-            if (unnamed.optional_text()) outside.push_back(std::move(hash));
-          }
-        }
-        for (const std::int64_t row : rows) {
-          Statement(writer.connection(), "DELETE FROM blobs WHERE rowid = ?").bind(row).run();
-        }
+        outside = delete_unnamed_blobs(writer.connection(), {begin, end});
         transaction.commit();
       }
       store_.remove_outside(outside);
-      if (rows.size() < kAtATime) return;
-      last = rows.back();
     }
   }
 
@@ -231,7 +217,7 @@ class Collection {
   const bool dry_;
   const CacheCheck& cache_is_whole_;
   Freed freed_;
-  std::vector<std::string> runs_, nights_, captures_;
+  std::vector<std::string> runs_, nights_, captures_, blobs_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "server/store/large_blobs.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -42,14 +43,17 @@ class OpenFile {
   int fd_;
 };
 
-// A folder and its name are lasting.
+// The folder and its name are lasting; else it is not there, so that the next one tries again.
 void make_folder(const fs::path& folder) {
   std::error_code error;
   if (!fs::create_directory(folder, error)) {
     if (error) fail(error.value(), folder);
     return;
   }
-  if (const int code = sync_folder(folder.parent_path()); code != 0) fail(code, folder);
+  if (const int code = sync_folder(folder.parent_path()); code != 0) {
+    fs::remove(folder, error);
+    fail(code, folder);
+  }
 }
 
 bool is_hash(const std::string& name) {
@@ -58,6 +62,19 @@ bool is_hash(const std::string& name) {
 }
 
 }  // namespace
+
+// All of its folders at once: whoever stores a blob later need not wonder whether a folder that is there is lasting.
+void FolderBlobs::prepare() {
+  make_folder(folder_);
+  for (int i = 0; i < 256; ++i) {
+    std::error_code error;
+    fs::create_directory(folder_ / fmt::format("{:02x}", i), error);
+    if (error) fail(error.value(), folder_);
+  }
+  for (const fs::path& folder : {folder_, folder_.parent_path()}) {
+    if (const int code = sync_folder(folder); code != 0) fail(code, folder);
+  }
+}
 
 void FolderBlobs::put(const std::string& hash, std::string_view bytes) {
   const fs::path path = path_of(hash);
@@ -74,7 +91,7 @@ void FolderBlobs::put(const std::string& hash, std::string_view bytes) {
       return;
     }
   }
-  // Each only when it is missing: what is there has been synced by who made it.
+  // Of a backup's folder, or where someone has deleted one.
   if (!fs::exists(path.parent_path())) {
     make_folder(folder_);
     make_folder(path.parent_path());

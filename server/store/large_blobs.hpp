@@ -18,6 +18,8 @@ namespace subpixel::server {
 class LargeBlobs {
  public:
   virtual ~LargeBlobs() = default;
+  // Before the first of them: makes the place, lasting. Throws SqliteError.
+  virtual void prepare() = 0;
   // The bytes are lasting when this returns; equal ones that are there stay. Throws SqliteError.
   virtual void put(const std::string& hash, std::string_view bytes) = 0;
   // Hands `length` bytes from `first` on to `take`, in pieces. False when that says so, or they are not there.
@@ -37,6 +39,7 @@ class LargeBlobs {
 class FolderBlobs : public LargeBlobs {
  public:
   explicit FolderBlobs(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  void prepare() override;
   void put(const std::string& hash, std::string_view bytes) override;
   bool read(const std::string& hash, std::uint64_t first, std::uint64_t length,
             const std::function<bool(std::string_view)>& take) const override;

@@ -47,6 +47,7 @@ std::string bytes_of(const Store& store, const Row& row) {
 Moved place_blobs(const DataFolder& folder, std::optional<std::uint64_t> large_bytes) {
   Store store(folder.store());
   Moved moved;
+  if (large_bytes) store.large_blobs().prepare();
   {
     const Store::WriteLease writer = store.write();
     if (large_bytes) {

@@ -39,14 +39,21 @@ CaptureRecord read_capture(Statement& row) {
 
 }  // namespace
 
-std::vector<std::string> delete_unnamed_blobs(const Connection& connection) {
+std::vector<std::string> delete_unnamed_blobs(const Connection& connection, const std::vector<std::string>& hashes) {
   std::vector<std::string> outside;
-  Statement gone(connection, fmt::format("DELETE FROM blobs WHERE {} RETURNING hash, outside", kBlobIsUnnamed));
-  while (gone.step()) {
-    std::string hash = gone.text();
-    if (gone.optional_text()) outside.push_back(std::move(hash));
+  for (const std::string& hash : hashes) {
+    Statement gone(connection,
+                   fmt::format("DELETE FROM blobs WHERE hash = ? AND {} RETURNING outside", kBlobIsUnnamed));
+    gone.bind(hash);
+    if (gone.step() && gone.optional_text()) outside.push_back(hash);
   }
   return outside;
+}
+
+std::vector<std::string> texts(Statement& select) {
+  std::vector<std::string> all;
+  while (select.step()) all.push_back(select.text());
+  return all;
 }
 
 std::optional<std::uint64_t> large_blob_bytes(const Connection& connection) {
@@ -199,9 +206,14 @@ Store::Deletion Store::delete_capture(std::string_view hash) {
     active.bind(hash);
     if (active.step()) return Deletion::in_use;
   }
+  Statement named(
+      writer_,
+      "SELECT DISTINCT i.blob FROM runs r JOIN frame_results f ON f.run = r.id JOIN images i ON i.result = f.id "
+      "WHERE r.capture = ?1 UNION SELECT thumbnail FROM captures WHERE hash = ?1 AND thumbnail IS NOT NULL");
+  const std::vector<std::string> blobs = texts(named.bind(hash));
   Statement(writer_, "DELETE FROM captures WHERE hash = ?").bind(hash).run();
   if (writer_.changes() == 0) return Deletion::missing;
-  const std::vector<std::string> outside = delete_unnamed_blobs(writer_);
+  const std::vector<std::string> outside = delete_unnamed_blobs(writer_, blobs);
   transaction.commit();
   remove_outside_locked(outside);
   return Deletion::deleted;
@@ -216,8 +228,11 @@ Store::Deletion Store::delete_run(std::int64_t id) {
     if (!active.step()) return Deletion::missing;
     if (active.integer() != 0) return Deletion::in_use;
   }
+  Statement named(writer_,
+                  "SELECT DISTINCT i.blob FROM frame_results f JOIN images i ON i.result = f.id WHERE f.run = ?");
+  const std::vector<std::string> blobs = texts(named.bind(id));
   Statement(writer_, "DELETE FROM runs WHERE id = ?").bind(id).run();
-  const std::vector<std::string> outside = delete_unnamed_blobs(writer_);
+  const std::vector<std::string> outside = delete_unnamed_blobs(writer_, blobs);
   transaction.commit();
   remove_outside_locked(outside);
   return Deletion::deleted;

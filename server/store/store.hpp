@@ -203,13 +203,16 @@ std::int64_t newest_schema_version();
 void migrate(const Connection& connection, const std::vector<std::string_view>& steps,
              const std::filesystem::path& file);
 
-// Blobs have no owner. This is true of those that nothing names, and this deletes
-// their rows. Returns the hashes of those whose bytes are outside, for Store::remove_outside() after the commit.
+// Blobs have no owner. This is true of those that nothing names.
 constexpr std::string_view kBlobIsUnnamed =
     "NOT EXISTS (SELECT 1 FROM images WHERE blob = blobs.hash) "
     "AND NOT EXISTS (SELECT 1 FROM night_images WHERE blob = blobs.hash) "
     "AND NOT EXISTS (SELECT 1 FROM captures WHERE thumbnail = blobs.hash)";
-std::vector<std::string> delete_unnamed_blobs(const Connection& connection);
+// Deletes the rows of those of these blobs that nothing names: of what was deleted, for looking through all blobs takes
+// too long. Returns the hashes of those whose bytes are outside, for Store::remove_outside() after the commit.
+std::vector<std::string> delete_unnamed_blobs(const Connection& connection, const std::vector<std::string>& hashes);
+// The first column of all rows.
+std::vector<std::string> texts(Statement& select);
 
 // From which size on blobs are stored outside; none: no blob is.
 std::optional<std::uint64_t> large_blob_bytes(const Connection& connection);

@@ -191,6 +191,14 @@ const tests = [
     await press('0', 'w');
   }],
 
+  ['layers whose results come late are compared all the same', async () => {
+    const rest = service.delay(2);  // rows 0 and 1 of the first frame
+    await openRun('#/runs/1?row=3&layers=*:image,*:reference,1:image');
+    await page.waitForFunction(() => document.querySelector('.view')?.dataset.keys?.includes('1:image'));
+    rest();
+    await expectKeys('*:image *:reference');
+  }],
+
   ['difference with gain and sign, by channel and by FLIP', async () => {
     await page.getByLabel('Left', {exact: true}).selectOption('0');
     await page.getByLabel('Right', {exact: true}).selectOption('1');
@@ -251,6 +259,7 @@ const tests = [
     await awaitParameter('zoom', null);  // place() goes by the address, which follows a moment later
     const before = (await page.locator('.view-canvas').boundingBox()).width / width;
     const {x, y} = await place(60, 40);
+    await page.evaluate(() => document.addEventListener('pixelchosen', () => (window.chosenByFingers = true)));
     await touch('touchStart', [x - 40, y]);
     await touch('touchStart', [x - 40, y], [x + 40, y]);
     for (let apart = 50; apart <= 160; apart += 10) await touch('touchMove', [x - apart, y], [x + apart, y]);
@@ -263,6 +272,7 @@ const tests = [
     for (let by = 8; by <= 64; by += 8) await touch('touchMove', [x - 160 + by, y], [x + 160 + by, y]);
     await touch('touchEnd');
     await expectNear('x', centre - 64 / zoom, 0.1);
+    assert.equal(await page.evaluate(() => window.chosenByFingers), undefined, 'two fingers choose no pixel');
     await session.detach();
     await press('0');
   }],
@@ -274,6 +284,13 @@ const tests = [
     await page.mouse.click(at.x, at.y);
     const {x, y, layer} = await page.evaluate(() => window.chosen);
     assert.deepEqual([x, y, layer.key], [60, 30, '*:image']);
+    // By a key: under the pointer.
+    const there = await place(100, 60);
+    await page.mouse.move(there.x, there.y);
+    await page.locator('.view-canvas').focus();
+    await page.keyboard.press('Enter');
+    assert.deepEqual(await page.evaluate(() => [window.chosen.x, window.chosen.y]), [100, 60]);
+    await page.locator('.pixel-story').getByRole('button', {name: 'Close'}).click();
   }],
 
   ['a box says its error, its share and its lighting executions', async () => {
@@ -382,6 +399,39 @@ const tests = [
     assert.match(readFileSync(file, 'utf8'), /^<svg[^>]*xmlns=.*msaa samples=4/s);
   }],
 
+  ['labels of points never overlap, however close the points are', async () => {
+    const overlaps = (selector) => page.evaluate((where) => {
+      const boxes = [...document.querySelectorAll(`${where} .point text`)].map((text) => [text.textContent, text.getBoundingClientRect()]);
+      const pairs = [];
+      boxes.forEach(([a, p], i) => boxes.slice(i + 1).forEach(([b, q]) => {
+        if (p.left < q.right && q.left < p.right && p.top < q.bottom && q.top < p.bottom) pairs.push(`${a} over ${b}: ${[p, q].map(({left, right, top, bottom}) => [left, right, top, bottom].map((v) => v.toFixed(1)).join(' ')).join(' and ')}`);
+      }));
+      return {labels: boxes.length, pairs};
+    }, selector);
+    const own = await overlaps('.plot');
+    assert.deepEqual(own, {labels: 4, pairs: []});
+    // Rows all over the plot, in a heap in its corner, and all in one point.
+    for (const [number, spread, wanted] of [[40, 1, 30], [24, 0.02, 20], [40, 0, 30], [400, 0.3, 30]]) {
+      const drawn = await page.evaluate(async ([count, width]) => {
+        const {scatterSvg} = await import('/scatter.js');
+        const rows = Array.from({length: count}, (_, i) => ({technique: 'streaming', family: i, run: 1, select: `${i}`, label: `streaming samples=${8 + i} surfaces=${i % 4 + 1}`,
+          summary: {total: 100 + width * (i * 37 % 101), mse: 1 + width * (i * 53 % 97)}}));
+        const draw = () => scatterSvg(rows, {x: 'total', y: 'mse', logX: false, logY: false, baseline: null}, null);
+        document.querySelector('.crowd')?.remove();
+        const crowd = document.createElement('div');
+        crowd.className = 'crowd';
+        crowd.append(draw());
+        document.body.append(crowd);
+        return crowd.innerHTML === Object.assign(document.createElement('div'), {innerHTML: draw().outerHTML}).innerHTML;
+      }, [number, spread]);
+      assert.ok(drawn, 'the same rows are drawn the same');
+      const {labels: shown, pairs} = await overlaps('.crowd');
+      assert.deepEqual(pairs, []);
+      assert.ok(shown >= wanted, `${shown} of ${number} labels in a spread of ${spread} found a place`);
+    }
+    await page.evaluate(() => document.querySelector('.crowd').remove());
+  }],
+
   ['over frames: lines, a click chooses the frame, playback', async () => {
     await page.locator('.lines canvas').waitFor();
     await page.getByLabel('Measure over frames').selectOption('flicker');
@@ -465,20 +515,31 @@ const tests = [
     await page.locator('[data-sort="flip"]').click();
     await page.getByLabel('group').selectOption('technique');
     await page.locator('h1').click();
+    await inSight();
+    const at = await place(60, 30);
+    await page.mouse.click(at.x, at.y);  // of frame 0 and the first technique, whatever is chosen later
+    await page.locator('h1').click();
     await press(']', ']', 'd', 'g', 'z', 'z', 'x', 'a', 'k');
     await settled();
     await addressed();
     const address = page.url();
     const state = () => page.evaluate(() => ({table: document.querySelector('.results').innerText, keys: document.querySelector('.view').dataset.keys, scale: document.querySelector('.scale').innerText,
-      frame: document.querySelector('.frame-number').innerText, box: document.querySelector('.box-panel h3')?.innerText, label: document.querySelector('.view-label').innerText}));
+      frame: document.querySelector('.frame-number').innerText, story: document.querySelector('.pixel-story h2')?.innerText, box: document.querySelector('.box-panel h3')?.innerText, label: document.querySelector('.view-label').innerText}));
     await page.locator('.box-panel h3').waitFor();
     const before = await state();
-    assert.ok(before.box && before.label.includes('×8') && before.frame === '2', JSON.stringify(before));
+    assert.ok(before.box && before.label.includes('×8') && before.frame === '2' && before.story === 'Pixel 60, 30 of frame 0', JSON.stringify(before));
     await open(address.slice(service.url.length + 1));
     await page.locator('.box-panel h3').waitFor();
     await settled();
     await page.waitForFunction((table) => document.querySelector('.results').innerText === table, before.table);
     assert.deepEqual(await state(), before);
+    assert.match(service.requests.findLast((path) => path.endsWith('/pixel')) ?? '', /pixel/);
+    // Closed, it is gone from the address as well.
+    await page.locator('.pixel-story').getByRole('button', {name: 'Close'}).click();
+    await awaitParameter('pixel', null);
+    await open(`${page.url().slice(service.url.length + 1)}&pixel=1,2,99,0`);
+    await settled();
+    assert.equal(await page.locator('.pixel-story').isVisible(), false, 'of a technique that the run does not have');
   }],
 
   ['one click writes a page by itself, without network', async () => {

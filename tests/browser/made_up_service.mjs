@@ -115,6 +115,7 @@ export class MadeUpService {
   constructor(runs) {
     this.runs = runs;
     this.held = null;      // what the API's answers wait for
+    this.late = null;      // {after, until}: of the results of a run, all but so many wait for that
     this.broken = new Set(); // roles whose blobs are missing
     this.requests = [];
     this.streams = new Set();
@@ -211,6 +212,7 @@ export class MadeUpService {
     }
     const one = /^\/api\/runs\/(\d+)(\/.*)?$/.exec(path);
     if (one) return this.runs[one[1]] ? this.#answerRun(Number(one[1]), one[2] ?? '', {json, missing, response}) : missing();
+    if (/^\/api\/captures\/c{32}\/pixel$/.test(path)) return json({stories: [], reference: null});
     const known = {
       '/api/health': {status: 'ok', version: '0', captures: 1, runs: 2, queued: 0, running: 0, upload_limit_bytes: 1, free_bytes: 1},
       '/api/caller': {token_required: false, name: null, right: 'admin', expires_utc: null, quota_bytes: null, uploaded_bytes: 0},
@@ -224,7 +226,17 @@ export class MadeUpService {
 
   palettes = {magma: ['#000000', '#800080', '#ffff80'], viridis: ['#000080', '#008080', '#ffff00']};
 
-  #answerRun(id, what, {json, missing, response}) {
+  /** Of a run's results the first `after` are told at once, the others when what is returned is called. */
+  delay(after) {
+    let release;
+    this.late = {after, until: new Promise((resolve) => (release = resolve))};
+    return () => {
+      this.late = null;
+      release();
+    };
+  }
+
+  async #answerRun(id, what, {json, missing, response}) {
     const {frames, rows, status = 'done'} = this.runs[id];
     const results = () => Array.from({length: status === 'done' ? frames * rows : 0}, (_, i) => this.result(id, i % rows, Math.floor(i / rows)));
     if (what === '') return json(this.run(id));
@@ -237,7 +249,10 @@ export class MadeUpService {
     const {reason, stored_results, expected_results, progress} = this.run(id);
     const state = JSON.stringify({status, reason, stored_results, expected_results, progress});
     const texts = results().map((result, i) => `id: ${i + 1}\nevent: result\ndata: ${JSON.stringify({sequence: i + 1, ordinal: i % rows, result})}\n\n`);
-    for (let i = 0; i < texts.length; i += 32) response.write(texts.slice(i, i + 32).join(''));
+    const at = this.late?.after ?? texts.length;
+    for (let i = 0; i < at; i += 32) response.write(texts.slice(i, Math.min(i + 32, at)).join(''));
+    await this.late?.until;
+    for (let i = at; i < texts.length; i += 32) response.write(texts.slice(i, i + 32).join(''));
     response.write(`event: status\ndata: ${state}\n\n`);
     if (status === 'done' || status === 'failed') response.end(`event: end\ndata: ${state}\n\n`);
   }

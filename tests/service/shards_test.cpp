@@ -58,15 +58,12 @@ TEST(ShardPlan, DividesByMeasuredTimesFramesFirst) {
   EXPECT_EQ(parts[0].pairs.size(), 1u);
 }
 
-TEST(ShardPlan, WithoutTimesCountsResultsAndUndividedIsOne) {
+TEST(ShardPlan, WithoutTimesCountsResults) {
   const auto shards = server::plan_shards(request_of(5), 0, 0, 8, {300, 16});
   ASSERT_EQ(shards.size(), 3u);
   expect_cover(shards, 0, 8, 5);
   EXPECT_EQ(server::plan_shards(request_of(40), 0, 0, 0, {300, 16}).size(), 3u);
-  EXPECT_EQ(server::plan_shards(request_of(1), 0, 0, 0, {300, 1}).size(), 1u);
-  ReplayRequest whole = request_of(5, {900, 900, 900, 900, 900});
-  whole.undivided = true;
-  EXPECT_EQ(server::plan_shards(whole, 0, 0, 8, {1, 1}).size(), 1u);
+  EXPECT_EQ(server::plan_shards(request_of(1), 0, 0, 8, {300, 1}).size(), 9u);
   // Times that make no sense divide as far as it goes and no further.
   for (const double seconds : {0.0, 1e300}) {
     expect_cover(server::plan_shards(request_of(2, {seconds, seconds}), 0, 0, 3, {300, 16}), 0, 3, 2);
