@@ -26,7 +26,7 @@ PLACE = '  vec4 own = texelFetch(values, pixel, 0);\n'
 CONFIG = {
     'name': 'times', 'techniques': 'noaa,msaa:samples=4,fxaa', 'samples': 8, 'size': [128, 72], 'frames': [0, 0],
     'repeat': 7, 'reference_samples': 0, 'captures': [{'scene': 'grass', 'density': 0.05}],
-    'gates': {'time': {'slower': 0.03, 'minimum_ms': 1, 'alarm': 0.01, 'rounds': 16}},
+    'gates': {'time': {'slower': 0.03, 'minimum_ms': 1, 'alarm': 0.01, 'rounds': 48}},
 }
 
 

@@ -49,6 +49,7 @@ void add_tag(Store& store, const std::string& hash, const std::string& tag) {
 std::vector<std::string> take_captures(const WatchedFolder& watched, const DataFolder& folder, Store& store,
                                        const WorkerOptions& worker) {
   std::vector<std::string> lines;
+  fs::create_directories(folder.uploads());  // no service may have been here
   for (const Found& found : quiet_captures(watched)) {
     const std::string name = printable(found.path.filename().string(), 200);
     try {

@@ -24,7 +24,7 @@ const std::string kWhat = "nightly configuration";
 // A replay's limits are replay/results/limits.hpp's; these are of the night itself.
 constexpr replay::Limit kKeepLimit{.name = "keep", .low = 0, .high = 1'000'000, .unit = "nights", .meaning = "kept"};
 constexpr replay::Limit kTimeRoundsLimit{
-    .name = "rounds", .low = 3, .high = 50, .unit = "rounds", .meaning = "a cell is measured at most, for its time"};
+    .name = "rounds", .low = 3, .high = 200, .unit = "rounds", .meaning = "a cell is measured at most, for its time"};
 constexpr replay::Limit kQuietLimit{
     .name = "quiet_s", .low = 0, .high = 86'400, .unit = "seconds", .meaning = "since a watched file was written to"};
 constexpr replay::Limit kAttemptsLimit{

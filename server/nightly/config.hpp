@@ -47,7 +47,7 @@ struct GateOptions {
   double time_slower = 0.03;        // share by which the ratios to msaa and noaa may rise before a test can fail
   double time_minimum_ms = 5;       // of a cell; below, the clock says more about the machine than about the technique
   double time_alarm = 0.01;         // false alarms by chance, in nights, of all cells together
-  std::uint32_t time_rounds = 12;   // most rounds of a cell in one night
+  std::uint32_t time_rounds = 48;   // most rounds of a cell in one night
   double instructions_more = 0.02;  // share by which instructions may rise, where they are counted
 };
 

@@ -32,7 +32,7 @@ struct Planned {
   replay::ReplayOptions options;
 };
 
-constexpr std::uint32_t kNoiseRounds = 9;
+constexpr std::uint32_t kNoiseRounds = 9, kFirstRounds = 8;
 // Rounds of one worker process: where a process has its memory is part of the noise, so there are several.
 constexpr std::uint32_t kRoundsOfProcess = 4;
 constexpr std::uint32_t kNightsBefore = 10;  // whose rounds are compared with besides the baseline's
@@ -458,7 +458,8 @@ void Night::measure_times() {
     timed[cell.capture].push_back(&cell);
   }
   if (timed.empty()) return;
-  const std::uint32_t all = baseline_ ? rounds_ : gates.time_rounds;
+  // What may become a baseline is compared with often.
+  const std::uint32_t all = baseline_ ? rounds_ : std::min(gates.time_rounds, std::max(kFirstRounds, 2 * rounds_));
   const auto measure = [&](const auto& cells, std::uint32_t rounds) {
     for (std::uint32_t done = 0; done < rounds; done += kRoundsOfProcess) {
       say(fmt::format("times: {} of {} rounds, {} captures", done, rounds, cells.size()));

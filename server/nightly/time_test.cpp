@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace subpixel::server {
 namespace {
+
+// Beyond so many pairs the exact distribution takes longer than it is worth.
+constexpr double kExactPairs = 2000, kNormalSize = 10;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -16,12 +18,18 @@ double median(std::vector<double> values) {
   return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
-std::vector<double> log_ratios(std::span<const TimeRound> rounds, const std::string& reference) {
+// Of each round that has all the references: the logarithm of its time less the mean of theirs.
+std::vector<double> log_ratios(std::span<const TimeRound> rounds, const std::vector<std::string>& references) {
   std::vector<double> ratios;
   for (const TimeRound& round : rounds) {
-    const auto found = round.references.find(reference);
-    if (found == round.references.end() || !(found->second > 0) || !(round.own > 0)) continue;
-    ratios.push_back(std::log(round.own / found->second));
+    double sum = 0;
+    bool complete = round.own > 0 && !references.empty();
+    for (const std::string& name : references) {
+      const auto found = round.references.find(name);
+      complete = complete && found != round.references.end() && found->second > 0;
+      if (complete) sum += std::log(found->second);
+    }
+    if (complete) ratios.push_back(std::log(round.own) - sum / static_cast<double>(references.size()));
   }
   return ratios;
 }
@@ -54,6 +62,12 @@ double rank_sum_p(std::span<const double> tonight, std::span<const double> befor
   for (const double now : tonight) {
     for (const double then : before) above += now > then ? 1 : 0;
   }
+  const double n = static_cast<double>(tonight.size()), m = static_cast<double>(before.size());
+  if (std::min(n, m) >= kNormalSize && n * m > kExactPairs) {
+    // By the normal distribution, whose tail is the heavier one.
+    const double deviation = std::sqrt(n * m * (n + m + 1) / 12);
+    return 0.5 * std::erfc((static_cast<double>(above) - 0.5 - n * m / 2) / deviation / std::sqrt(2.0));
+  }
   const std::vector<double> shares = u_distribution(tonight.size(), before.size());
   double p = 0;
   for (std::size_t u = shares.size(); u-- > above;) p += shares[u];
@@ -70,28 +84,29 @@ TimeVerdict test_times(std::span<const TimeRound> tonight, std::span<const TimeR
                        const TimeQuestion& question) {
   TimeVerdict verdict;
   if (tonight.empty() || before.empty()) return verdict;
-  std::optional<double> least_slowdown;
-  double largest_p = 0;
+  std::vector<std::string> references;
+  bool above_all = true;
   for (const auto& reference : tonight.front().references) {
-    const std::vector<double> now = log_ratios(tonight, reference.first);
-    std::vector<double> then = log_ratios(before, reference.first);
+    const std::vector<double> now = log_ratios(tonight, {reference.first});
+    const std::vector<double> then = log_ratios(before, {reference.first});
     if (now.empty() || then.empty()) continue;
-    const double middle_now = median(now), middle_then = median(then);
-    const double slowdown = std::expm1(middle_now - middle_then);
-    for (double& value : then) value += std::log1p(question.slower);
-    largest_p = std::max(largest_p, rank_sum_p(now, then));
-    least_slowdown = std::min(least_slowdown.value_or(slowdown), slowdown);
+    const double slowdown = std::expm1(median(now) - median(then));
+    above_all = above_all && slowdown > question.slower;
+    verdict.slowdown = references.empty() ? slowdown : std::min(verdict.slowdown, slowdown);
     verdict.detail += fmt::format("{}{:.3f} of {}, before {:.3f} ({:+.1f}%)", verdict.detail.empty() ? "" : "; ",
-                                  std::exp(middle_now), reference.first, std::exp(middle_then), 100 * slowdown);
+                                  std::exp(median(now)), reference.first, std::exp(median(then)), 100 * slowdown);
+    references.push_back(reference.first);
   }
-  if (!least_slowdown) return verdict;
-  verdict.p = largest_p;
-  verdict.slowdown = *least_slowdown;
-  verdict.detail += fmt::format("; {} and {} rounds, p {:.2g}", tonight.size(), before.size(), verdict.p);
-  if (verdict.p <= question.alarm) {
-    verdict.decision = TimeDecision::slower;
-  } else if (verdict.slowdown <= question.slower) {
+  const std::vector<double> now = log_ratios(tonight, references);
+  std::vector<double> then = log_ratios(before, references);
+  if (references.empty() || now.empty() || then.empty()) return {};
+  for (double& value : then) value += std::log1p(question.slower);
+  verdict.p = rank_sum_p(now, then);
+  verdict.detail += fmt::format("; {} and {} rounds, p {:.2g}", now.size(), then.size(), verdict.p);
+  if (!above_all) {
     verdict.decision = TimeDecision::not_slower;
+  } else if (verdict.p <= question.alarm) {
+    verdict.decision = TimeDecision::slower;
   }
   return verdict;
 }

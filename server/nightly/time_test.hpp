@@ -27,7 +27,7 @@ enum class TimeDecision { slower, not_slower, undecided };
 
 struct TimeVerdict {
   TimeDecision decision = TimeDecision::undecided;
-  double p = 1;         // the largest over the references
+  double p = 1;         // of the ratio to all references, by the mean of their logarithms
   double slowdown = 0;  // the smallest over the references: tonight's median ratio over that of before, minus 1
   std::string detail;   // in words; empty when no reference was measured both times
 };
@@ -37,9 +37,9 @@ struct TimeQuestion {
   double alarm = 1e-4;   // false-alarm rate of this one test
 };
 
-// Slower is what is slower than every reference that both have; one reference that became slower itself does not make
-// everything else faster or slower. not_slower: no higher than allowed by the medians. undecided: higher, but it may be
-// chance.
+// Slower is what the test says of the ratio to all references together, and what is above the allowed share by the
+// medians of the ratio to each; so one reference that became faster itself makes nothing else slower. not_slower: not
+// above by the medians. undecided: above, but it may be chance.
 TimeVerdict test_times(std::span<const TimeRound> tonight, std::span<const TimeRound> before,
                        const TimeQuestion& question);
 

@@ -141,6 +141,24 @@ TEST(NightlyGates, ExactOnesSeeTheSmallestChange) {
   EXPECT_NE(detail(night, "images").find("3 pixels differ"), std::string::npos);
 }
 
+TEST(NightlyGates, TheClassOfAProcessorDecidesWhatIsExact) {
+  const auto on = [](const std::string& device, const std::string& processor) {
+    NightRecord night = a_night(), baseline = a_night();
+    baseline.captures[0].head->device = "llvmpipe (LLVM 15.0.6, 256 bits)";
+    baseline.captures[0].head->cpu_model = "AMD EPYC 9654";
+    night.captures[0].head->device = device;
+    night.captures[0].head->cpu_model = processor;
+    second(night).shading.executions += 1;
+    judge(night, &baseline, {}, [](NightFrame&, const std::string&) { return ImageDifference{}; });
+    return night;
+  };
+  const NightRecord narrow = on("llvmpipe (LLVM 15.0.6, 128 bits)", "AMD Ryzen 7");
+  EXPECT_EQ(outcome(narrow, "shading"), GateOutcome::failed) << "exact on another model of the vendor's";
+  EXPECT_EQ(outcome(narrow, "time"), GateOutcome::skipped) << "but not as fast";
+  EXPECT_EQ(outcome(on("llvmpipe (LLVM 19.1.0, 256 bits)", "AMD EPYC 9654"), "shading"), GateOutcome::passed);
+  EXPECT_EQ(outcome(on("llvmpipe (LLVM 15.0.6, 256 bits)", "Intel Xeon"), "shading"), GateOutcome::passed);
+}
+
 TEST(NightlyGates, AnotherMachineHasTolerances) {
   const auto elsewhere = [] {
     NightRecord night = a_night();

@@ -50,7 +50,7 @@ def main():
               'error': dict.fromkeys(['mse', 'psnr', 'flip_mean', 'flip_p99', 'flip_max', 'hdr_rel_mse', 'flicker']),
               'counters': {}, 'images': {'image': image_hash}}
     store.execute('PRAGMA foreign_keys = ON')
-    store.execute('INSERT INTO blobs VALUES (?, ?, ?)', (image_hash, 'image/png', image))
+    store.execute('INSERT INTO blobs (hash, media_type, bytes) VALUES (?, ?, ?)', (image_hash, 'image/png', image))
     store.execute('INSERT INTO captures (hash, name, size_bytes, uploaded_utc, title, frame_count, width, height, '
                   'triangles, summary, thumbnail) VALUES (?, ?, ?, ?, ?, 1, 32, 18, 1234, ?, ?)',
                   (capture_hash, 'kept.spcap', len(capture), then, 'Kept', '{"features":[]}', image_hash))
