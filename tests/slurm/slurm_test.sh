@@ -121,14 +121,16 @@ running_tasks() { [ -n "$(squeue -h -r -p main -t RUNNING -o %i)" ]; }
 # SIGTERM takes its jobs with it, and so does the next night with those of one that was killed.
 case_ended() {
   made_up ended 2 60000
-  by_slurm "$folder/ended.json" "$folder/ended-data" >"$folder/ended.out" 2>&1 &
+  # No function: a signal has to reach the program, not a shell of its own.
+  local command=("$subpixel" nightly --config "$folder/ended.json" --data "$folder/ended-data" --worker-program "$fake" --engine slurm)
+  "${command[@]}" >"$folder/ended.out" 2>&1 &
   local night=$! code=0
   wait_for "a task to run" running_tasks
   kill -TERM "$night"
   wait "$night" || code=$?
   [ "$code" = 4 ] || case_failed "exit code $code after SIGTERM"
   wait_for "its jobs to be gone" queue_is_empty
-  by_slurm "$folder/ended.json" "$folder/ended-data" >"$folder/ended.killed" 2>&1 &
+  "${command[@]}" >"$folder/ended.killed" 2>&1 &
   night=$!
   wait_for "a task to run" running_tasks
   kill -KILL "$night"
