@@ -59,7 +59,6 @@ json technique_story(FrameScene& scene, const TechniqueSetting& setting, glm::uv
   json told = recorded.story();
   told["technique"] = setting.technique->name;
   told["parameters"] = setting.values;
-  if (!told.contains("executions")) told["not_described"] = "not described yet: what is kept and lit";
   return told;
 }
 

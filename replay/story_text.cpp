@@ -36,11 +36,15 @@ std::string triangle_text(const json& triangle) {
   return text;
 }
 
+// Of a surface, or of an aggregate, whose colours are split.
 std::string surface_text(const json& surface) {
-  std::string text = fmt::format("normal {}  albedo {}  roughness {:.3f}", numbers(surface["normal"], "{:.3f}"),
-                                 numbers(surface["albedo"], "{:.3f}"), surface["roughness"].get<double>());
-  if (surface["metallic"].get<double>() > 0)
-    text += fmt::format("  metallic {:.3f}", surface["metallic"].get<double>());
+  const std::string colours = surface.contains("albedo")
+                                  ? fmt::format("albedo {}", numbers(surface["albedo"], "{:.3f}"))
+                                  : fmt::format("diffuse {}  reflectance {}", numbers(surface["diffuse"], "{:.3f}"),
+                                                numbers(surface["reflectance"], "{:.3f}"));
+  std::string text = fmt::format("normal {}  {}  roughness {:.3f}", numbers(surface["normal"], "{:.3f}"), colours,
+                                 surface["roughness"].get<double>());
+  if (surface.value("metallic", 0.0) > 0) text += fmt::format("  metallic {:.3f}", surface["metallic"].get<double>());
   for (const json& value : surface["emissive"])
     if (value.get<double>() > 0) return text + fmt::format("  emissive {}", numbers(surface["emissive"]));
   return text;
@@ -93,11 +97,13 @@ std::string technique_text(const json& story) {
       text += fmt::format("    {:2}  {}\n", step["fragment"].get<int>(), step["what"].get<std::string>());
   }
   if (story.contains("surfaces")) {
-    text += "  kept\n";
+    text += "  kept: slot, samples, depths, attributes\n";
     for (const json& one : story["surfaces"])
-      text += fmt::format("    surface {}  covers {}  {} {:.7g} to {:.7g}\n        {}\n", one["slot"].get<int>(),
-                          one["covers"].get<std::string>(), one["depth_of"].get<std::string>(),
-                          one["nearest"].get<double>(), one["farthest"].get<double>(), surface_text(one["surface"]));
+      text += fmt::format("    {:2}  covers {}{}  {} {:.7g} to {:.7g}\n        {}\n", one["slot"].get<int>(),
+                          one["covers"].get<std::string>(),
+                          one.contains("weight") ? fmt::format("  weight {}", one["weight"].get<int>()) : std::string(),
+                          one["depth_of"].get<std::string>(), one["nearest"].get<double>(),
+                          one["farthest"].get<double>(), surface_text(one["surface"]));
   }
   if (story.contains("executions")) {
     text += "  lighting: what is lit, for which samples, value\n";
@@ -105,11 +111,16 @@ std::string technique_text(const json& story) {
       text += fmt::format("    {:2}  {}  weight {}  {}\n", one.value("of", -1), one.value("samples", ""),
                           one["weight"].get<int>(), numbers(one["value"]));
   }
+  text += fmt::format("  resolve: {}\n", story["resolve"]["what"].get<std::string>());
+  if (story.contains("filter")) {
+    text += "  the filter\n";
+    for (const json& step : story["filter"])
+      text += fmt::format("    {:<10}{}\n", step["kind"].get<std::string>(), step["what"].get<std::string>());
+  }
   for (const auto& [name, value] : story["maps"].items()) text += fmt::format("  map {}: {}\n", name, value.get<int>());
   text +=
       fmt::format("  result  radiance {}  display {}  lighting executions {}\n", numbers(story["result"]["radiance"]),
                   numbers(story["result"]["display"]), story["result"]["executions"].get<double>());
-  if (story.contains("not_described")) text += fmt::format("  {}\n", story["not_described"].get<std::string>());
   text += '\n';
   return text;
 }

@@ -104,17 +104,41 @@ function techniqueStory(story) {
   return h('article.story', {},
     h('h3', {}, story.technique, h('span.quiet', {}, ` ${parameters}`)),
     h('p', {}, swatch(story.result.display), `radiance ${vector(story.result.radiance, 4)}, ${story.result.executions} lighting executions`),
-    story.not_described && h('p.quiet', {}, story.not_described),
     h('div.story-body', {}, patternPicture(story.pattern),
       table('Fragments, in submission order', ['#', 'triangle', 'covers', 'passes', 'depth', 'normal', 'albedo'], fragments.map((fragment) => [
         fragmentKey(fragment.number), triangleText(fragment.triangle),
         fragment.alpha_leaves ? `${fragment.covers}, alpha leaves ${fragment.alpha_leaves}` : fragment.covers, fragment.passes,
         significant(fragment.plane.depth, 6), vector(fragment.surface.normal, 2), vector(fragment.surface.albedo, 2)]))),
     story.steps && table('What was done with each', ['#', 'what'], story.steps.map(({fragment, what}) => [fragmentKey(fragment), what])),
-    story.surfaces && table('Kept', ['surface', 'covers', 'depth', 'normal', 'albedo'], story.surfaces.map((one) => [
-      one.slot, one.covers, `${significant(one.nearest, 5)} to ${significant(one.farthest, 5)}`, vector(one.surface.normal, 2), vector(one.surface.albedo, 2)])),
+    story.surfaces && keptTable(story.surfaces),
     story.executions && table('Lighting', ['of', 'samples', 'weight', 'value'],
-      story.executions.map((one) => [one.of, one.samples, one.weight, vector(one.value, 4)])));
+      story.executions.map((one) => [one.of, one.samples, one.weight, vector(one.value, 4)])),
+    story.resolve && h('p', {}, `Resolve: ${story.resolve.what}`),
+    story.filter && h('div.story-body', {}, lumaPicture(story.filter), table('The filter', ['step', 'what'], story.filter.map(({kind, what}) => [kind, what]))));
+}
+
+// Surfaces, blocks, or aggregates, whose colours are split.
+function keptTable(surfaces) {
+  const weighed = surfaces.some(({weight}) => weight !== undefined);
+  const split = surfaces.some(({surface}) => surface.diffuse);
+  return table('Kept', ['slot', 'covers', ...(weighed ? ['weight'] : []), 'depth', 'normal', ...(split ? ['diffuse', 'reflectance'] : ['albedo']), 'roughness'],
+    surfaces.map(({slot, covers, weight, nearest, farthest, surface}) => [slot, covers, ...(weighed ? [weight] : []),
+      `${significant(nearest, 5)} to ${significant(farthest, 5)}`, vector(surface.normal, 2),
+      ...(split ? [vector(surface.diffuse, 2), vector(surface.reflectance, 2)] : [vector(surface.albedo, 2)]), fixed(surface.roughness, 2)]));
+}
+
+// The 3x3 pixels whose luma a filter looks at, as greys with their values.
+function lumaPicture(steps) {
+  const neighbourhood = steps.find((step) => step.neighbourhood)?.neighbourhood;
+  if (!neighbourhood) return null;
+  return h('div.luma', {role: 'img', 'aria-label': `Luma of 3 by 3 pixels: ${neighbourhood.map((value) => fixed(value, 3)).join(', ')}`},
+    neighbourhood.map((value) => {
+      const cell = h('span', {}, fixed(value, 2));
+      const grey = Math.round(255 * Math.min(Math.max(value, 0), 1));
+      cell.style.background = `rgb(${grey} ${grey} ${grey})`;
+      cell.style.color = grey > 127 ? '#000' : '#fff';
+      return cell;
+    }));
 }
 
 // Shadings by triangle.

@@ -43,6 +43,21 @@ json lighting_json(const gpu_types::LightingLog& log) {
   return executions;
 }
 
+// What the mean over samples is of. `left_out`: samples that it leaves out.
+json resolve_json(const json& story, const FrameSetup& setup) {
+  const std::uint32_t samples = setup.samples, left_out = story.value("left_out", 0u);
+  std::uint32_t lit = 0;
+  for (const json& execution : story.value("executions", json::array()))
+    lit += execution["weight"].get<std::uint32_t>();
+  lit = std::min(lit, samples - std::min(left_out, samples));
+  const std::uint32_t sky = samples - left_out - lit;
+  std::string what =
+      fmt::format("the mean of {} samples: {} of what is lit, {} of the sky", samples - left_out, lit, sky);
+  if (left_out > 0) what += fmt::format("; {} are left out", left_out);
+  if (setup.common.resolve == Resolve::tone_mapped) what += "; of values after the tone curve";
+  return {{"lit", lit}, {"sky", sky}, {"left_out", left_out}, {"what", what}};
+}
+
 }  // namespace
 
 glm::vec3 octahedral_normal(std::uint32_t word, int bits) {
@@ -86,6 +101,12 @@ json surface_json(const glm::uvec4& packed) {
           {"emissive", emissive}};
 }
 
+void light_surfaces(json& story) {
+  for (json& execution : story["executions"])
+    for (const json& surface : story["surfaces"])
+      if (surface["slot"] == execution["of"]) execution["samples"] = surface["covers"];
+}
+
 glm::vec4 pixel_of(gpu::Device& device, gpu::Image& image, glm::uvec2 pixel) {
   const auto bytes = gpu::download(device, image);
   glm::vec4 value;
@@ -113,24 +134,56 @@ std::vector<PixelStory::Shown> PixelStory::shown(std::uint32_t samples) const {
   return shown;
 }
 
-void PixelStory::record_lighting(gpu::PassRecorder& recorder, gpu::RasterPass pass, const std::string& shader) {
-  if (lighting_ == nullptr) {
-    lighting_ = &recorder.buffer("story of lighting", sizeof(gpu_types::LightingLog));
-    recorder.host([this] { lighting_->as<gpu_types::LightingLog>()[0].head = {pixel_, 0, 0}; });
-    tell("executions", [this] { return lighting_json(lighting_->as<gpu_types::LightingLog>()[0]); });
+json PixelStory::unseen_steps(std::uint32_t samples) const {
+  json told = json::array();
+  const std::vector<Shown> visible = shown(samples);
+  for (std::uint32_t i = 0; i < fragments_.size(); ++i) {
+    const gpu_types::StoryFragment& found = fragments_[i].found;
+    if (mask_of(found.masks.x, found.masks.y) == 0) continue;
+    if (std::ranges::find(visible, i, &Shown::fragment) != visible.end()) continue;
+    if (mask_of(found.masks.z, found.masks.w) == 0)
+      told.push_back({{"fragment", i}, {"kind", "transparent"}, {"what", "dropped: alpha leaves no sample"}});
+    else
+      told.push_back(
+          {{"fragment", i}, {"kind", "hidden"}, {"what", "hidden: another is in front at each of its samples"}});
   }
+  return told;
+}
+
+std::pair<float, float> PixelStory::depths_shown(std::uint32_t all_samples, std::uint64_t samples) const {
+  std::pair<float, float> depths{0.0f, 1e30f};
+  for (const Shown& one : shown(all_samples))
+    for (std::uint32_t s = 0; s < all_samples; ++s) {
+      if ((one.samples & samples & std::uint64_t{1} << s) == 0) continue;
+      const float depth = fragments_[one.fragment].found.depths[s];
+      depths = {std::max(depths.first, depth), std::min(depths.second, depth)};
+    }
+  return depths;
+}
+
+void PixelStory::record_again(gpu::PassRecorder& recorder, gpu::RasterPass pass, const std::string& shader,
+                              const gpu::Binding& log, glm::uvec2 extent) {
   for (gpu::Attachment& target : pass.colours) target = recorder.image(target.image->description());
   pass.name = "story";
   pass.pipeline.fragment = shader;
   pass.pipeline.additive = false;
   pass.pipeline.targets.clear = true;
   pass.clear_colours.assign(pass.colours.size(), {});
-  pass.bindings.push_back(gpu::writes(STORY_SLOT_LIGHTING, *lighting_));
-  pass.draws = [at = glm::vec2(pixel_)](gpu::DrawEncoder& encoder) {
-    encoder.viewport(at.x, at.y, 1, 1);
+  pass.bindings.push_back(log);
+  pass.draws = [at = glm::vec2(pixel_), extent = glm::vec2(extent)](gpu::DrawEncoder& encoder) {
+    encoder.viewport(at.x, at.y, extent.x, extent.y);
     encoder.draw(3);
   };
   recorder.raster(std::move(pass));
+}
+
+void PixelStory::record_lighting(gpu::PassRecorder& recorder, gpu::RasterPass pass, const std::string& shader) {
+  if (lighting_ == nullptr) {
+    lighting_ = &recorder.buffer("story of lighting", sizeof(gpu_types::LightingLog));
+    recorder.host([this] { lighting_->as<gpu_types::LightingLog>()[0].head = {pixel_, 0, 0}; });
+    tell("executions", [this] { return lighting_json(lighting_->as<gpu_types::LightingLog>()[0]); });
+  }
+  record_again(recorder, std::move(pass), shader, gpu::writes(STORY_SLOT_LIGHTING, *lighting_));
 }
 
 void PixelStory::tell_listed_values(const FrameSetup& setup, const FragmentLists& lists) {
@@ -220,6 +273,9 @@ json PixelStory::document(gpu::Device& device, const FrameSetup& setup) const {
     std::memcpy(&value, &bytes[(std::size_t{pixel_.y} * setup.width + pixel_.x) * sizeof(value)], sizeof(value));
     story["maps"][name] = value;
   }
+  for (const auto& more : amended_) more(story);
+  story["resolve"] = resolve_json(story, setup);
+  story.erase("left_out");
   return story;
 }
 

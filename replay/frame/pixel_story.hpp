@@ -2,6 +2,8 @@
 // lights, and what the pixel becomes. A technique whose FrameSetup has one adds to it beside the passes it records.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
@@ -35,25 +37,34 @@ class PixelStory {
     std::uint64_t samples = 0;
   };
   std::vector<Shown> shown(std::uint32_t samples) const;
+  // Of those that show in none, and of those alone, why not: "hidden" or "transparent", as steps.
+  nlohmann::json unseen_steps(std::uint32_t samples) const;
+  // The reversed depths that fragments show in `samples`: the nearest, which is the largest, and the farthest.
+  std::pair<float, float> depths_shown(std::uint32_t all_samples, std::uint64_t samples) const;
 
   // For a technique's record(). `told` makes the story's member `name` once the passes have run.
   void tell(std::string name, std::function<nlohmann::json()> told) {
     told_.emplace_back(std::move(name), std::move(told));
   }
-  // Says in the story that a part of the technique is not told.
-  void leave_out(const std::string& part) {
-    tell("not_described", [part] { return "not described yet: " + part; });
-  }
-  // Has the pixel, and it alone, lit once more: by `pass`, a full-screen one, whose targets are copied, and the variant
-  // `shader` of its fragment shader that tells each execution (shaders/story/lighting.glsl), for the member
-  // "executions".
+  // For what says more of what others tell: gets the whole story in the end. Samples that the resolve leaves out go
+  // into the member "left_out".
+  void amend(std::function<void(nlohmann::json&)> more) { amended_.push_back(std::move(more)); }
+  // Has `extent` pixels, the story's in their upper left, and no others go through `pass` once more: a full-screen one,
+  // whose targets are copied, with the variant `shader` of its fragment shader that tells of them, and `log` bound.
+  void record_again(gpu::PassRecorder& recorder, gpu::RasterPass pass, const std::string& shader,
+                    const gpu::Binding& log, glm::uvec2 extent = {1, 1});
+  // The same of a pass that lights the pixel: `shader` tells each execution (shaders/story/lighting.glsl), for the
+  // member "executions".
   void record_lighting(gpu::PassRecorder& recorder, gpu::RasterPass pass, const std::string& shader);
   // A buffer in which a pass logs up to `most` structures: a header of four words, of which it finds the pixel in the
   // first two and counts what it logs in the third, then those.
   template <typename T>
   gpu::Buffer& record_log(gpu::PassRecorder& recorder, std::string name, std::uint64_t most) {
     gpu::Buffer& log = recorder.buffer(std::move(name), sizeof(glm::uvec4) + most * sizeof(T));
-    recorder.host([this, &log] { log.as<glm::uvec4>()[0] = {pixel_, 0, 0}; });
+    recorder.host([this, &log] {
+      std::ranges::fill(log.mapped(), std::byte{0});
+      log.as<glm::uvec4>()[0] = {pixel_, 0, 0};
+    });
     return log;
   }
   template <typename T>
@@ -72,6 +83,7 @@ class PixelStory {
   glm::uvec2 pixel_;
   std::vector<PixelFragment> fragments_;
   std::vector<std::pair<std::string, std::function<nlohmann::json()>>> told_;
+  std::vector<std::function<void(nlohmann::json&)>> amended_;
   gpu::Buffer* lighting_ = nullptr;
 };
 
@@ -83,6 +95,8 @@ glm::vec3 octahedral_normal(std::uint32_t word, int bits);
 // A surface's packed words (shaders/include/packing.glsl): those words, and what they say.
 nlohmann::json surface_json(const glm::uvec4& packed);
 nlohmann::json vector_json(const glm::vec4& v, int components = 3);
+// For amend(): executions of surfaces that are known by one sample get all that they cover.
+void light_surfaces(nlohmann::json& story);
 // The values of a pixel of an image of floats.
 glm::vec4 pixel_of(gpu::Device& device, gpu::Image& image, glm::uvec2 pixel);
 

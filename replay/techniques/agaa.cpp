@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "replay/frame/pixel_story.hpp"
+#include "replay/techniques/agaa_story.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "shaders/techniques/agaa/agaa_interface.h"
 
@@ -108,6 +108,26 @@ ViewSpace view_space(const Setup& setup) {
   return space;
 }
 
+// Logs of a story: how samples were told apart, what was added up.
+struct StoryLogs {
+  gpu::Buffer *definition = nullptr, *parts = nullptr;
+};
+
+StoryLogs make_story_logs(gpu::PassRecorder& recorder, const Setup& setup) {
+  PixelStory& story = *setup.story;
+  const StoryLogs logs{
+      &story.record_log<gpu_types::AgaaDefinition>(recorder, "agaa definition", 1),
+      &story.record_log<gpu_types::AgaaPart>(recorder, "agaa parts", setup.samples + setup.parameters.aggregates)};
+  const AgaaForm form{setup.samples, setup.parameters.aggregates, aggregate_words(setup),
+                      static_cast<float>(setup.parameters.separation)};
+  const auto definition = [logs] { return PixelStory::log_of<gpu_types::AgaaDefinition>(*logs.definition); };
+  const auto parts = [logs] { return PixelStory::log_of<gpu_types::AgaaPart>(*logs.parts); };
+  story.tell("definition", [form, definition] { return agaa_definition(form, definition()); });
+  story.tell("steps", [&story, form, definition, parts] { return agaa_steps(story, form, definition(), parts()); });
+  story.tell("surfaces", [&story, form, parts] { return agaa_surfaces(story, form, parts()); });
+  return logs;
+}
+
 // A rounded face normal for each triangle record, 4 bytes.
 gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const Setup& setup, const ViewSpace& space) {
   Frontend& frontend = setup.frontend;
@@ -139,7 +159,7 @@ gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const Setup& setup, const
 
 // Bits 0 and 1 of every sample's aggregate, one word of samples for each.
 gpu::Image& record_definition(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& visibility,
-                              const ViewSpace& space) {
+                              const ViewSpace& space, const StoryLogs& logs) {
   gpu::Buffer& faces = record_faces(recorder, setup, space);
   const VkFormat format = setup.parameters.aggregates > 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32_UINT;
   gpu::Image& membership = target_image(recorder, setup, "membership", format);
@@ -152,6 +172,9 @@ gpu::Image& record_definition(gpu::PassRecorder& recorder, const Setup& setup, g
                                        .inverse_length = static_cast<float>(1 / setup.parameters.length),
                                        .separation = static_cast<float>(setup.parameters.separation)};
   pass.push = gpu::PushConstants(push);
+  if (logs.definition != nullptr)
+    setup.story->record_again(recorder, pass, "techniques/agaa/define.frag:STORY",
+                              gpu::writes(AGAA_SLOT_STORY, *logs.definition));
   recorder.raster(std::move(pass));
   return membership;
 }
@@ -184,7 +207,7 @@ State make_state(gpu::PassRecorder& recorder, const Setup& setup) {
 }
 
 void record_generation(gpu::PassRecorder& recorder, const Setup& setup, const VisibleFragments& visible,
-                       gpu::Image* membership, const State& state) {
+                       gpu::Image* membership, const State& state, const StoryLogs& logs) {
   ListedPass parts;
   parts.name = "generate";
   parts.shader = lit_colours(setup) ? "techniques/agaa/contribute.comp:LIT" : "techniques/agaa/contribute.comp:PLAIN";
@@ -210,6 +233,11 @@ void record_generation(gpu::PassRecorder& recorder, const Setup& setup, const Vi
   add.push = gpu::PushConstants(gpu_types::VisibleFragmentsPush{
       .lists = visible.lists.writes(add), .width = setup.width, .height = setup.height});
   add.groups = {(setup.width + 7) / 8, (setup.height + 7) / 8, 1};
+  recorder.compute(add);
+  if (logs.parts == nullptr) return;
+  add.name = "story";
+  add.shader = "techniques/agaa/add.comp:STORY";
+  add.bindings.push_back(gpu::writes(AGAA_SLOT_STORY, *logs.parts));
   recorder.compute(std::move(add));
 }
 
@@ -240,10 +268,11 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
   const VisibleFragments visible = record_visible(recorder, setup);
   gpu::Image& visibility = *visible.visibility;
   const ViewSpace space = view_space(setup);
+  const StoryLogs logs = setup.story != nullptr ? make_story_logs(recorder, setup) : StoryLogs{};
   gpu::Image* const membership =
-      setup.parameters.aggregates > 1 ? &record_definition(recorder, setup, visibility, space) : nullptr;
+      setup.parameters.aggregates > 1 ? &record_definition(recorder, setup, visibility, space, logs) : nullptr;
   const State state = make_state(recorder, setup);
-  record_generation(recorder, setup, visible, membership, state);
+  record_generation(recorder, setup, visible, membership, state, logs);
   record_shading(recorder, setup, visibility, space, state);
   record_maps(recorder, setup, visibility, space, state);
 }

@@ -3,6 +3,7 @@
 // needs no geometry memory and can't show what one sample a pixel missed.
 #include "replay/frame/pixel_story.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "replay/techniques/fxaa_story.hpp"
 #include "shaders/techniques/fxaa/fxaa_interface.h"
 
 namespace subpixel::replay {
@@ -34,11 +35,17 @@ void record_filter(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& 
   pass.clear_colours = {{}, {}, {}};
   pass.bindings.push_back(gpu::samples(FXAA_SLOT_DISPLAYED, unfiltered));
   pass.bindings.push_back(gpu::samples(FXAA_SLOT_VALUES, values));
-  pass.push =
-      gpu::PushConstants(gpu_types::FxaaPush{.relative_threshold = static_cast<float>(setup.parameters.edge_threshold),
-                                             .least_contrast = static_cast<float>(setup.parameters.least_contrast),
-                                             .blur = static_cast<float>(setup.parameters.blur),
-                                             .steps = setup.parameters.search_steps});
+  const gpu_types::FxaaPush push{.relative_threshold = static_cast<float>(setup.parameters.edge_threshold),
+                                 .least_contrast = static_cast<float>(setup.parameters.least_contrast),
+                                 .blur = static_cast<float>(setup.parameters.blur),
+                                 .steps = setup.parameters.search_steps};
+  pass.push = gpu::PushConstants(push);
+  if (setup.story != nullptr) {
+    gpu::Buffer& log = setup.story->record_log<gpu_types::FxaaStory>(recorder, "fxaa filter", 1);
+    setup.story->record_again(recorder, pass, "techniques/fxaa/filter.frag:STORY", gpu::writes(FXAA_SLOT_STORY, log));
+    setup.story->tell(
+        "filter", [&log, push] { return fxaa_filter(PixelStory::log_of<gpu_types::FxaaStory>(log).front(), push); });
+  }
   recorder.raster(std::move(pass));
 }
 
@@ -46,7 +53,6 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
   gpu::Image& sum = record_shaded_samples(recorder, setup);
   record_resolve(recorder, setup, sum);
   record_filter(recorder, setup, sum);
-  if (setup.story != nullptr) setup.story->leave_out("what the filter over edges makes of the pixel");
 }
 
 }  // namespace

@@ -10,9 +10,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "replay/frame/pixel_story.hpp"
 #include "replay/frontend/list_passes.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "replay/techniques/linked_list_story.hpp"
 #include "shaders/techniques/linked_list/linked_list_interface.h"
 
 namespace subpixel::replay {
@@ -56,6 +56,7 @@ MemoryLayout layout(const LinkedListSetup& setup) {
 struct Lists {
   gpu::AddressTable* pool = nullptr;  // a LinkPool
   gpu::Image* visibility = nullptr;
+  gpu::Buffer *places = nullptr, *blocks = nullptr;  // logs of a story
 };
 
 template <typename Pass>
@@ -102,6 +103,11 @@ void record_allocation(gpu::PassRecorder& recorder, const LinkedListSetup& setup
   record_scan(recorder, kLink, needed, sums);
 
   pass.shader = "techniques/linked_list/link.comp";
+  recorder.compute(pass);
+  if (lists.places == nullptr) return;
+  pass.name = "story";
+  pass.shader = "techniques/linked_list/link.comp:STORY";
+  pass.bindings.push_back(gpu::writes(LINK_SLOT_STORY, *lists.places));
   recorder.compute(std::move(pass));
 }
 
@@ -114,6 +120,37 @@ void record_geometry(gpu::PassRecorder& recorder, const LinkedListSetup& setup, 
   gpu::append(pass.constants, list_constants(setup));
   bind(pass, lists);
   record_listed_fragments(recorder, setup, fragments, pass);
+}
+
+// Of the story's pixel what the geometry left.
+void record_blocks_story(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const Lists& lists) {
+  gpu::ComputePass pass;
+  pass.name = "story";
+  pass.shader = "techniques/linked_list/story.comp";
+  pass.constants = setup.frontend.constants();
+  gpu::append(pass.constants, common_constants(setup));
+  gpu::append(pass.constants, list_constants(setup));
+  pass.bindings = light_bindings(setup);
+  pass.bindings.push_back(gpu::uniform(setup.scene.frame_constants));
+  bind(pass, lists);
+  pass.bindings.push_back(gpu::writes(LINK_SLOT_STORY, *lists.blocks));
+  recorder.compute(std::move(pass));
+}
+
+void make_story_logs(gpu::PassRecorder& recorder, const LinkedListSetup& setup, const LinkedListPool& pool,
+                     Lists& lists) {
+  PixelStory& story = *setup.story;
+  lists.places = &story.record_log<gpu_types::LinkPlace>(recorder, "list places", setup.samples);
+  lists.blocks = &story.record_log<gpu_types::LinkStoredBlock>(recorder, "list blocks", setup.samples + 1);
+  const LinkForm form{setup.samples, static_cast<std::uint32_t>(pixels(setup)),
+                      static_cast<std::uint32_t>(pool.dynamic_blocks), setup.parameters.allocation,
+                      setup.parameters.first_block};
+  const auto blocks = [log = lists.blocks] { return PixelStory::log_of<gpu_types::LinkStoredBlock>(*log); };
+  story.tell("steps", [&story, form, places = lists.places, blocks] {
+    return linked_list_steps(story, form, PixelStory::log_of<gpu_types::LinkPlace>(*places), blocks());
+  });
+  story.tell("surfaces", [&story, form, blocks] { return linked_list_blocks(story, form, blocks()); });
+  story.amend(light_surfaces);
 }
 
 // The dynamic blocks' part of `shading`, which has the lights bound.
@@ -199,8 +236,10 @@ void record_linked_list(gpu::PassRecorder& recorder, const LinkedListSetup& setu
                                       .allocated = 0,
                                       .width = setup.width,
                                       .height = setup.height});
+  if (setup.story != nullptr) make_story_logs(recorder, setup, pool, lists);
   record_allocation(recorder, setup, lists);
   record_geometry(recorder, setup, visible.lists, lists);
+  if (setup.story != nullptr) record_blocks_story(recorder, setup, lists);
   record_shading(recorder, setup, lists);
   record_maps(recorder, setup, lists);
 }

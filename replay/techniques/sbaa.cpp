@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "replay/frame/pixel_story.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "replay/techniques/sbaa_story.hpp"
 #include "shaders/techniques/sbaa/sbaa_interface.h"
 
 namespace subpixel::replay {
@@ -65,6 +65,27 @@ gpu::Buffer& record_faces(gpu::PassRecorder& recorder, const Setup& setup) {
   return faces;
 }
 
+// The analysis and the lighting of the story's pixel once more, with a log each.
+void record_story(gpu::PassRecorder& recorder, const Setup& setup, const gpu::RasterPass& analyse,
+                  gpu::RasterPass shade) {
+  PixelStory& story = *setup.story;
+  gpu::Buffer& steps = story.record_log<gpu_types::SbaaStep>(recorder, "sbaa steps", setup.samples);
+  gpu::Buffer& kept = story.record_log<gpu_types::SbaaKept>(recorder, "sbaa surfaces", setup.parameters.surfaces);
+  story.record_again(recorder, analyse, "techniques/sbaa/analyse.frag:STORY", gpu::writes(SBAA_SLOT_STORY, steps));
+  shade.bindings.push_back(gpu::writes(SBAA_SLOT_STORY, kept));
+  story.record_lighting(recorder, std::move(shade), "techniques/sbaa/shade.frag:STORY");
+  const SbaaForm form{setup.samples, setup.parameters.surfaces, merges(setup),
+                      static_cast<float>(std::cos(setup.parameters.normal_angle))};
+  const auto told = [&story, &steps, &kept, form](auto tell) {
+    return tell(story, form, PixelStory::log_of<gpu_types::SbaaStep>(steps),
+                PixelStory::log_of<gpu_types::SbaaKept>(kept));
+  };
+  story.tell("steps", [told] { return told(sbaa_steps); });
+  story.tell("surfaces", [told] { return told(sbaa_surfaces); });
+  story.amend(light_surfaces);
+  story.amend([](nlohmann::json& document) { document["left_out"] = document["maps"]["dropped"]; });
+}
+
 void record(gpu::PassRecorder& recorder, const Setup& setup) {
   const std::uint32_t kept = setup.parameters.surfaces;
   const VisibleFragments visible = record_visible(recorder, setup);
@@ -87,7 +108,7 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
   analyse.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
   analyse.push = gpu::PushConstants(gpu_types::SbaaAnalysePush{
       .faces = analyse.reads(faces), .cosine = static_cast<float>(std::cos(setup.parameters.normal_angle))});
-  recorder.raster(std::move(analyse));
+  recorder.raster(analyse);
 
   gpu::Image& gbuffer = stored_samples(recorder, setup, "G-buffer", kept);
   ListedPass pass;
@@ -107,7 +128,7 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
   shade.bindings.insert(shade.bindings.end(),
                         {gpu::samples(FRAME_SLOT_VISIBILITY, visibility), gpu::samples(SBAA_SLOT_SURFACES, stored),
                          gpu::samples(SBAA_SLOT_GBUFFER, gbuffer), gpu::samples(SBAA_SLOT_DROPPED, dropped)});
-  if (setup.story != nullptr) setup.story->record_lighting(recorder, shade, "techniques/sbaa/shade.frag:STORY");
+  if (setup.story != nullptr) record_story(recorder, setup, analyse, shade);
   recorder.raster(std::move(shade));
   record_resolve(recorder, setup, sum);
 }

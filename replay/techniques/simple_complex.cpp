@@ -65,8 +65,18 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
   simple.bindings.push_back(gpu::samples(SIMPLE_COMPLEX_SLOT_FLAGS, flags));
   const std::vector<gpu::Binding> lights = lighting_pass(setup, "", "").bindings;
   const gpu::Constants constants = simple.pipeline.constants;
-  if (setup.story != nullptr)
+  if (setup.story != nullptr) {
     setup.story->record_lighting(recorder, simple, "techniques/simple_complex/simple.frag:STORY");
+    // One sample stands for all.
+    setup.story->amend([](nlohmann::json& told) {
+      const auto samples = told["samples"].get<std::uint32_t>();
+      if (told["maps"]["complex"] != 0) return;
+      for (nlohmann::json& execution : told["executions"]) {
+        execution["weight"] = samples;
+        execution["samples"] = mask_text(~std::uint64_t{0} >> (64 - samples));
+      }
+    });
+  }
   recorder.raster(std::move(simple));
 
   if (compact) {

@@ -9,6 +9,7 @@
 #include "replay/frame/pixel_story.hpp"
 #include "replay/techniques/deferred.hpp"
 #include "replay/techniques/smaa_areas.hpp"
+#include "replay/techniques/smaa_story.hpp"
 #include "shaders/techniques/smaa/smaa_interface.h"
 
 namespace subpixel::replay {
@@ -58,20 +59,51 @@ MemoryLayout layout(const Setup& setup) {
   return memory;
 }
 
-gpu::Image& record_edges(gpu::PassRecorder& recorder, const Setup& setup, double threshold) {
+// Logs of a story: of the pixel and the neighbours whose edges are its own, what passes make of them.
+struct StoryLogs {
+  gpu::Buffer *edges = nullptr, *weights = nullptr, *blend = nullptr;
+};
+
+StoryLogs make_story_logs(gpu::PassRecorder& recorder, const Setup& setup, const gpu_types::SmaaEdgesPush& push) {
+  PixelStory& story = *setup.story;
+  const StoryLogs logs{&story.record_log<gpu_types::SmaaEdgesStory>(recorder, "smaa edges", SMAA_STORY_PIXELS),
+                       &story.record_log<gpu_types::SmaaWeightsStory>(recorder, "smaa weights", SMAA_STORY_PIXELS),
+                       &story.record_log<gpu_types::SmaaBlendStory>(recorder, "smaa blend", 1)};
+  story.tell("filter", [logs, push] {
+    return smaa_filter(PixelStory::log_of<gpu_types::SmaaEdgesStory>(*logs.edges),
+                       PixelStory::log_of<gpu_types::SmaaWeightsStory>(*logs.weights),
+                       PixelStory::log_of<gpu_types::SmaaBlendStory>(*logs.blend).front(), push);
+  });
+  return logs;
+}
+
+// Tells of `extent` pixels in `log`, where there is one.
+void record_told(gpu::PassRecorder& recorder, const Setup& setup, const gpu::RasterPass& pass, gpu::Buffer* log,
+                 std::uint32_t extent) {
+  if (log != nullptr)
+    setup.story->record_again(recorder, pass, pass.pipeline.fragment + ":STORY", gpu::writes(SMAA_SLOT_STORY, *log),
+                              {extent, extent});
+}
+
+gpu_types::SmaaEdgesPush edges_push(const Setup& setup, double threshold) {
+  return {.threshold = static_cast<float>(threshold),
+          .adaptation = static_cast<float>(setup.parameters.adaptation),
+          .edges = static_cast<std::uint32_t>(setup.parameters.edges)};
+}
+
+gpu::Image& record_edges(gpu::PassRecorder& recorder, const Setup& setup, double threshold, const StoryLogs& logs) {
   gpu::Image& edges = target_image(recorder, setup, "edges", VK_FORMAT_R8_UINT);
   gpu::RasterPass pass = fullscreen_pass(setup, "edges", "techniques/smaa/edges.frag");
   pass.colours = {{edges}};
   pass.bindings = {gpu::samples(SMAA_SLOT_DISPLAYED, *setup.outputs.display)};
-  pass.push = gpu::PushConstants(gpu_types::SmaaEdgesPush{.threshold = static_cast<float>(threshold),
-                                                          .adaptation = static_cast<float>(setup.parameters.adaptation),
-                                                          .edges = static_cast<std::uint32_t>(setup.parameters.edges)});
+  pass.push = gpu::PushConstants(edges_push(setup, threshold));
+  record_told(recorder, setup, pass, logs.edges, 2);
   recorder.raster(std::move(pass));
   return edges;
 }
 
-gpu::Image& record_weights(gpu::PassRecorder& recorder, const Setup& setup, const SmaaPreset& preset,
-                           gpu::Image& edges) {
+gpu::Image& record_weights(gpu::PassRecorder& recorder, const Setup& setup, const SmaaPreset& preset, gpu::Image& edges,
+                           const StoryLogs& logs) {
   const std::vector<glm::vec2> table = smaa_area_table();
   gpu::Buffer& areas = recorder.buffer("smaa areas", table.size() * sizeof(glm::vec2));
   std::ranges::copy(table, areas.as<glm::vec2>().begin());
@@ -83,12 +115,13 @@ gpu::Image& record_weights(gpu::PassRecorder& recorder, const Setup& setup, cons
       gpu::PushConstants(gpu_types::SmaaWeightsPush{.search_steps = static_cast<std::uint32_t>(preset.search_steps),
                                                     .diagonal_steps = static_cast<std::uint32_t>(preset.diagonal_steps),
                                                     .rounding = static_cast<float>(preset.corner_rounding / 100)});
+  record_told(recorder, setup, pass, logs.weights, 2);
   recorder.raster(std::move(pass));
   return weights;
 }
 
 void record_blend(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& values, gpu::Image& edges,
-                  gpu::Image& weights) {
+                  gpu::Image& weights, const StoryLogs& logs) {
   gpu::RasterPass pass = fullscreen_pass(setup, "blend", "techniques/smaa/blend.frag");
   pass.colours = make_outputs(recorder, setup);
   for (const gpu::Attachment& map : make_maps(recorder, setup, {"edges", "blended"})) pass.colours.push_back(map);
@@ -96,6 +129,7 @@ void record_blend(gpu::PassRecorder& recorder, const Setup& setup, gpu::Image& v
                                       gpu::samples(SMAA_SLOT_WEIGHTS, weights)})
     pass.bindings.push_back(binding);
   pass.push = gpu::PushConstants(gpu_types::SmaaBlendPush{.blend = static_cast<std::uint32_t>(setup.parameters.blend)});
+  record_told(recorder, setup, pass, logs.blend, 1);
   recorder.raster(std::move(pass));
 }
 
@@ -103,10 +137,11 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
   const SmaaPreset preset = preset_of(setup.parameters);
   gpu::Image& sum = record_shaded_samples(recorder, setup);
   record_resolve(recorder, setup, sum);
-  gpu::Image& edges = record_edges(recorder, setup, preset.threshold);
-  gpu::Image& weights = record_weights(recorder, setup, preset, edges);
-  record_blend(recorder, setup, sum, edges, weights);
-  if (setup.story != nullptr) setup.story->leave_out("what edges and weights make of the pixel");
+  const StoryLogs logs =
+      setup.story != nullptr ? make_story_logs(recorder, setup, edges_push(setup, preset.threshold)) : StoryLogs{};
+  gpu::Image& edges = record_edges(recorder, setup, preset.threshold, logs);
+  gpu::Image& weights = record_weights(recorder, setup, preset, edges, logs);
+  record_blend(recorder, setup, sum, edges, weights, logs);
 }
 
 }  // namespace

@@ -107,6 +107,13 @@ void record_story(gpu::PassRecorder& recorder, const StreamingSetup& setup) {
   story.tell("steps", [&story, &steps, parameters = setup.parameters] {
     return streaming_steps(story, parameters, PixelStory::log_of<gpu_types::StreamStep>(steps));
   });
+  // Of a flagged pixel that shows anything, what shows nothing counts for nothing.
+  story.amend([](nlohmann::json& told) {
+    std::uint32_t lit = 0;
+    for (const nlohmann::json& execution : told["executions"]) lit += execution["weight"].get<std::uint32_t>();
+    for (const nlohmann::json& step : told["steps"])
+      if (step.value("flagged", false) && lit > 0) told["left_out"] = told["samples"].get<std::uint32_t>() - lit;
+  });
   story.tell("surfaces", [&steps, parameters = setup.parameters] {
     return streaming_surfaces(parameters, PixelStory::log_of<gpu_types::StreamStep>(steps));
   });

@@ -8,6 +8,7 @@
 #include "replay/frame/pixel_story.hpp"
 #include "replay/frontend/visibility.hpp"
 #include "replay/techniques/deferred.hpp"
+#include "replay/techniques/taa_story.hpp"
 #include "shaders/techniques/taa/taa_interface.h"
 
 namespace subpixel::replay {
@@ -61,19 +62,28 @@ void record_accumulate(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
   pass.bindings.push_back(gpu::samples(TAA_SLOT_HISTORY, first ? values : *setup.history.at(0)));
   pass.bindings.push_back(gpu::samples(TAA_SLOT_DEPTH_BEFORE, first ? values : *setup.history.at(1)));
   pass.bindings.push_back(gpu::reads(TAA_SLOT_MOTION, matrices));
-  pass.push = gpu::PushConstants(gpu_types::TaaPush{.records = pass.reads(setup.frontend.records()),
-                                                    .unjitter = motion.unjitter,
-                                                    .distance_before = motion.distance_before,
-                                                    .still = static_cast<std::uint32_t>(motion.differences.size() - 1),
-                                                    .has_history = first ? 0u : 1u,
-                                                    .bounds = static_cast<std::uint32_t>(parameters.bounds),
-                                                    .reading = static_cast<std::uint32_t>(parameters.filter),
-                                                    .compress = parameters.luma_weights ? 1u : 0u,
-                                                    .progressive = parameters.progressive ? 1u : 0u,
-                                                    .alpha = static_cast<float>(parameters.alpha_new),
-                                                    .deviations = static_cast<float>(parameters.deviations),
-                                                    .depth_test = parameters.depth_test ? 1u : 0u,
-                                                    .depth_tolerance = static_cast<float>(parameters.depth_tolerance)});
+  const gpu_types::TaaPush push{.records = pass.reads(setup.frontend.records()),
+                                .unjitter = motion.unjitter,
+                                .distance_before = motion.distance_before,
+                                .still = static_cast<std::uint32_t>(motion.differences.size() - 1),
+                                .has_history = first ? 0u : 1u,
+                                .bounds = static_cast<std::uint32_t>(parameters.bounds),
+                                .reading = static_cast<std::uint32_t>(parameters.filter),
+                                .compress = parameters.luma_weights ? 1u : 0u,
+                                .progressive = parameters.progressive ? 1u : 0u,
+                                .alpha = static_cast<float>(parameters.alpha_new),
+                                .deviations = static_cast<float>(parameters.deviations),
+                                .depth_test = parameters.depth_test ? 1u : 0u,
+                                .depth_tolerance = static_cast<float>(parameters.depth_tolerance)};
+  pass.push = gpu::PushConstants(push);
+  if (setup.story != nullptr) {
+    PixelStory& story = *setup.story;
+    gpu::Buffer& log = story.record_log<gpu_types::TaaStory>(recorder, "taa pixel", 1);
+    story.record_again(recorder, pass, "techniques/taa/accumulate.frag:STORY", gpu::writes(TAA_SLOT_STORY, log));
+    story.tell("filter", [&story, &log, push] {
+      return taa_filter(PixelStory::log_of<gpu_types::TaaStory>(log).front(), push, story.pixel());
+    });
+  }
   recorder.raster(std::move(pass));
   setup.outputs.history = {&history, &depth};
   setup.outputs.counters["unmatched_instances"] = motion.unmatched;
@@ -82,7 +92,6 @@ void record_accumulate(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
 void record(gpu::PassRecorder& recorder, const Setup& setup) {
   const VisibleFragments visible = record_visible(recorder, setup);
   record_accumulate(recorder, setup, *visible.visibility, record_shaded_samples(recorder, setup, visible));
-  if (setup.story != nullptr) setup.story->leave_out("how the frames before go into the pixel");
 }
 
 }  // namespace

@@ -33,10 +33,11 @@ uvec4 stored_sample(Surface s) {
   return narrow_samples() ? halves_of_words(narrowed(packed)) : packed;
 }
 
+// The four words of packing.glsl.
+uvec4 packed_of_stored(uvec4 stored) { return narrow_samples() ? widened(words_of_halves(stored), 0u) : stored; }
+
 // All but the position.
-Surface surface_of_stored(uvec4 stored) {
-  return unpack_surface(narrow_samples() ? widened(words_of_halves(stored), 0u) : stored);
-}
+Surface surface_of_stored(uvec4 stored) { return unpack_surface(packed_of_stored(stored)); }
 
 // The word of its normal.
 uint normal_of_stored(uvec4 stored) { return narrow_samples() ? words_of_halves(stored).y : stored.y; }

@@ -168,9 +168,10 @@ TEST_F(Captures, FrameIsShownByAProcessOfItsOwn) {
   EXPECT_EQ(pixels, 40u * 20u);
   EXPECT_FALSE(view.contains("title")) << "the summary is the capture's";
   EXPECT_EQ(client().get(path).at("size"), (json{640, 360}));
+  EXPECT_EQ(client().http().Get(path)->get_header_value("Cache-Control"), "private, max-age=600");
   EXPECT_NE(error_of(client().http().Get(path + "?frame=4001"), 400).at("why").get<std::string>().find("not within"),
             std::string::npos);
-  for (const char* refused : {"?width=0", "?height=2049", "?frame=-1"}) {
+  for (const char* refused : {"?width=0", "?height=0", "?width=2049", "?height=2049", "?frame=-1", "?frame=one"}) {
     error_of(client().http().Get(path + refused), 400);
   }
   error_of(client().http().Get("/api/captures/" + std::string(32, 'a') + "/frame"), 404);
@@ -180,6 +181,12 @@ TEST_F(Captures, FrameIsShownByAProcessOfItsOwn) {
   EXPECT_EQ(client().get("/api/health").at("status"), "ok");
 }
 
+TEST_F(Captures, AViewWithoutDrawsIsTheWorkersMistake) {
+  const std::string hash = client().upload_fake({{"frames", 1}, {"how", "view_without_draws"}});
+  EXPECT_EQ(error_of(client().http().Get("/api/captures/" + hash + "/frame"), 500).at("why"),
+            "the worker's document has no draws");
+}
+
 // A document that deep ends whoever writes it by recursion.
 TEST_F(Captures, NestedViewsAreTheWorkersMistakeAndNotTheServersEnd) {
   const std::string path = "/api/captures/" + client().upload_fake({{"frames", 1}, {"how", "view_nested"}}) + "/frame";
@@ -187,13 +194,15 @@ TEST_F(Captures, NestedViewsAreTheWorkersMistakeAndNotTheServersEnd) {
   EXPECT_EQ(client().get("/api/health").at("status"), "ok");
 }
 
-TEST_F(Captures, OneStoryAtATime) {
+TEST_F(Captures, OneStoryOrViewAtATime) {
   const std::string hash = client().upload_fake({{"frames", 1}, {"story_ms", 1500}});
   const std::string path = "/api/captures/" + hash + "/pixel?technique=msaa&x=1&y=2";
   std::thread first([&] { EXPECT_EQ(Client(port()).http().Get(path)->status, 200); });
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   error_of(client().http().Get(path), 503);
+  error_of(client().http().Get("/api/captures/" + hash + "/frame"), 503);
   first.join();
+  EXPECT_EQ(client().http().Get("/api/captures/" + hash + "/frame")->status, 200);
   EXPECT_EQ(client().http().Get(path)->status, 200);
 }
 

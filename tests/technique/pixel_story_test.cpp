@@ -6,76 +6,19 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <cstdlib>
 #include <filesystem>
 #include <set>
 
 #include "capture_format/writer.hpp"
-#include "replay/frame/pixel_story.hpp"
 #include "replay/story.hpp"
+#include "replay/techniques/streaming_story.hpp"
+#include "tests/technique/pixel_story_fixture.hpp"
 #include "tests/technique/streaming_transcription.hpp"
-#include "tests/technique/technique_run.hpp"
 
 namespace subpixel::replay {
 namespace {
 
 using nlohmann::json;
-
-constexpr std::uint32_t kWidth = 61, kHeight = 37;
-
-std::uint64_t mask(const json& text) {
-  return std::strtoull(text.get<std::string>().c_str(), nullptr, 16);
-}
-glm::vec3 vector(const json& list) {
-  return {list[0].get<float>(), list[1].get<float>(), list[2].get<float>()};
-}
-
-// Stories of pixels all over the image; `check` gets each with what the frame has there without a story.
-template <typename Check>
-void each_story(const std::string& scene_name, const std::string& technique, const ParameterValues& given,
-                Check check) {
-  FrameScene scene(test_device(),
-                   capture::generate(scene_name, {1, kWidth, kHeight, 1, scene_name == "grass" ? 0.01 : 0.05}), {},
-                   {0, kWidth, kHeight});
-  const TechniqueSetting setting = find_technique(technique).with(given);
-  const TechniqueRun frame = technique_run(run_frame(scene, setting));
-  for (std::uint32_t y = 4; y < kHeight; y += 8) {
-    for (std::uint32_t x = 3; x < kWidth; x += 13) {
-      PixelStory story({x, y});
-      RecordedFrame recorded(scene, setting, &story);
-      recorded.run();
-      const json told = recorded.story();
-      SCOPED_TRACE(technique + " " + json(given).dump() + " at " + std::to_string(x) + "," + std::to_string(y));
-      const glm::vec4 radiance = frame.radiance[std::size_t{y} * kWidth + x];
-      ASSERT_EQ(vector(told["result"]["radiance"]), glm::vec3(radiance)) << "a story changes the frame";
-      ASSERT_EQ(told["executions"].size(), static_cast<std::size_t>(radiance.w));
-      check(told, glm::vec3(radiance));
-    }
-  }
-}
-
-// What the depth test of each sample leaves, from the fragments' own masks and depths.
-std::vector<int> owners(const json& told) {
-  std::vector<int> owner(told["samples"].get<std::size_t>(), -1);
-  std::vector<float> depth(owner.size(), 0.0f);
-  for (const json& fragment : told["fragments"]) {
-    const std::uint64_t covers = mask(fragment.value("alpha_leaves", fragment["covers"].get<std::string>()));
-    std::uint64_t passes = 0;
-    for (std::size_t s = 0; s < owner.size(); ++s) {
-      const float z = fragment["depths"][s].get<float>();
-      if ((covers >> s & 1u) == 0 || !(z > depth[s])) continue;
-      depth[s] = z;
-      owner[s] = fragment["number"].get<int>();
-      passes |= std::uint64_t{1} << s;
-    }
-    EXPECT_EQ(passes, mask(fragment["passes"]));
-  }
-  for (std::size_t s = 0; s < owner.size(); ++s) {
-    const json& shown = told["pattern"][s]["fragment"];
-    EXPECT_EQ(shown.is_null() ? -1 : shown.get<int>(), owner[s]) << "sample " << s;
-  }
-  return owner;
-}
 
 TEST(PixelStory, EverySampleOfMsaaAddsUpToTheFrame) {
   std::size_t lit = 0, sky = 0;
@@ -260,6 +203,36 @@ TEST(PixelStory, StreamingReplayedByTheTranscriptionIsTheFrame) {
   for (const char* kind : {"stored", "merged", "replaced", "dropped", "hidden"}) EXPECT_GT(kinds[kind], 0u) << kind;
 }
 
+// Where the shaders that run do not do what the parameters say, as in docs/tour.md, the story does.
+TEST(PixelStory, MergesThatTheParametersForbidAreSaidToBeAgainstThem) {
+  FrameScene scene(test_device(), story_capture("grass"), {}, {0, kWidth, kHeight});
+  PixelStory story({29, 20});
+  const RecordedFrame recorded(scene, find_technique("streaming").with({}), &story);
+  ASSERT_GE(story.fragments().size(), 2u);
+  // The second fragment merges into the surface that the first left at depths of 1 to 2.
+  const auto merge = [&](const StreamingParameters& parameters, glm::vec4 compared, glm::vec2 interval) {
+    gpu_types::StreamStep steps[2]{};
+    steps[0].head = {0, 1, 1, 0};
+    steps[1].head = {1, 1, 1, 1};
+    steps[1].compared[0] = compared;
+    steps[1].interval = glm::vec4(interval, 0, 0);
+    const json told = streaming_steps(story, parameters, steps);
+    EXPECT_EQ(told[1]["kind"], "merged");
+    const std::string what = told[1]["what"];
+    const auto at = what.find("; against the parameters: ");
+    return at == std::string::npos ? std::string() : what.substr(at + 26);
+  };
+  StreamingParameters parameters;
+  EXPECT_EQ(merge(parameters, {1, 1, 2, 0}, {1.5, 2.5}), "");
+  EXPECT_EQ(merge(parameters, {1, 1, 2, 0}, {3, 4}), "depths 1 to 2 apart from its 3 to 4");
+  EXPECT_EQ(merge(parameters, {1, 1, 2, 2}, {1.5, 2.5}), "2 samples shared");
+  EXPECT_EQ(merge(parameters, {0.5, 1, 2, 0}, {1.5, 2.5}), "cosine of normals 0.5000, not above 0.7071");
+  EXPECT_EQ(merge(parameters, {0.5, 1, 2, 2}, {3, 4}),
+            "2 samples shared, cosine of normals 0.5000, not above 0.7071, depths 1 to 2 apart from its 3 to 4");
+  parameters.merge_depth = parameters.merge_normals = parameters.merge_coverage = false;
+  EXPECT_EQ(merge(parameters, {0.5, 1, 2, 2}, {3, 4}), "");
+}
+
 TEST(PixelStory, DecoupledCoverageToldIsTheFrame) {
   std::map<std::string, std::size_t> kinds;
   for (const auto& [technique, surfaces] : {std::pair{"dcaa", 4.0}, std::pair{"dcaa", 1.0}, std::pair{"hybrid", 2.0}}) {
@@ -293,30 +266,6 @@ TEST(PixelStory, DecoupledCoverageToldIsTheFrame) {
                });
   }
   for (const char* kind : {"stored", "merged", "second merge", "hidden"}) EXPECT_GT(kinds[kind], 0u) << kind;
-}
-
-TEST(PixelStory, AggregatesBlocksAndSurfacesAddUpToTheFrame) {
-  std::size_t several = 0;
-  for (const std::string technique : {"agaa", "linked_list", "sbaa"}) {
-    each_story("grass", technique, {{"samples", 8.0}}, [&](const json& told, glm::vec3 radiance) {
-      owners(told);
-      const bool drops = technique == "sbaa";
-      glm::vec3 sum(0);
-      int shown = 0;
-      for (const json& execution : told["executions"]) {
-        const int weight = execution["weight"].get<int>();
-        sum += static_cast<float>(weight) * vector(execution["value"]);
-        shown += weight;
-      }
-      several += told["executions"].size() > 1;
-      const int sky = 8 - shown - (drops ? told["maps"]["dropped"].get<int>() : 0);
-      ASSERT_GE(sky, 0);
-      sum += vector(told["sky"]) * static_cast<float>(sky);
-      if (drops) sum *= 8.0f / static_cast<float>(shown + sky);
-      EXPECT_EQ(sum / 8.0f, radiance);
-    });
-  }
-  EXPECT_GT(several, 5u);
 }
 
 // The whole document of a file, and what is wrong to ask.
@@ -355,15 +304,6 @@ TEST_F(PixelStoryOfFile, ReferenceIsTheMeanOfItsShadings) {
   const std::string text = story_text(told);
   for (const char* part : {"pixel 29,20", "streaming", "msaa", "reference, 64 samples", "what was done with each"})
     EXPECT_NE(text.find(part), std::string::npos) << part << text;
-}
-
-TEST_F(PixelStoryOfFile, TechniquesThatDoNotDescribeThemselvesSaySo) {
-  job_.reference_samples = 0;
-  job_.techniques = parse_technique_list("taa");
-  const json told = tell_pixel(job_);
-  EXPECT_TRUE(told["stories"][0].contains("not_described"));
-  EXPECT_FALSE(told["stories"][1].contains("not_described"));
-  EXPECT_NE(story_text(told).find("not described yet: how the frames before"), std::string::npos);
 }
 
 TEST_F(PixelStoryOfFile, WhatIsNotThereIsRefused) {

@@ -30,6 +30,8 @@ float cluster_distance(ClusterSample a, vec3 position, vec3 normal) {
   return d;
 }
 
+#include "techniques/agaa/cluster_story.glsl"
+
 // `covered`: samples that show a surface. The first aggregate grows around the sample farthest from the mean, each further one
 // around the sample with the largest sum of distances to those before, as long as one lies more than `separation` from all
 // of them. Of equal distances the first sample, of equally near aggregates the first one is taken.
@@ -51,6 +53,7 @@ Clusters cluster_pixel(uint covered, float separation) {
   square = square + normal.y * normal.y;
   square = square + normal.z * normal.z;
   normal = square > 1e-12 ? normal / sqrt(square) : vec3(0.0);
+  TELL_MEAN(s, position, normal);
 
   float best = -1.0;
   ClusterSample seed = s[0];
@@ -61,6 +64,7 @@ Clusters cluster_pixel(uint covered, float separation) {
     seed.position = farther ? s[i].position : seed.position;
     seed.normal = farther ? s[i].normal : seed.normal;
   }
+  TELL_SEED(0u, seed, best, s);
   for (uint i = 0u; i < SAMPLES; ++i) {
     sums[i] = cluster_distance(s[i], seed.position, seed.normal);
     nearest[i] = sums[i];
@@ -74,6 +78,7 @@ Clusters cluster_pixel(uint covered, float separation) {
       seed.position = farther ? s[i].position : seed.position;
       seed.normal = farther ? s[i].normal : seed.normal;
     }
+    TELL_SEED(a, seed, best, s);
     uint closer = 0u;
     for (uint i = 0u; i < SAMPLES; ++i) {
       float d = cluster_distance(s[i], seed.position, seed.normal);
@@ -87,6 +92,7 @@ Clusters cluster_pixel(uint covered, float separation) {
     clusters.low = (a & 1u) != 0u ? clusters.low | closer : clusters.low & ~closer;
     clusters.high = (a & 2u) != 0u ? clusters.high | closer : clusters.high & ~closer;
   }
+  TELL_CLUSTERS(covered, clusters);
   return clusters;
 }
 

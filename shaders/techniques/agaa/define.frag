@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // Aggregate definition (AGAA paper, section 3.3): which aggregate each sample of a pixel belongs to.
 // Reads: visibility (slot 0), face normals. Writes: bits 0 and 1 of every sample's aggregate.
 #include "techniques/agaa/agaa_interface.h"

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // Smooths the steps of edges in a finished image: finds how far a pixel is from the ends of its step and mixes it with the
 // pixel across the edge by the area a straight edge would cut off.
 // Reads: display values, whose luminance shows the edges; the pixels' resolvable values, which are mixed.
@@ -21,6 +22,8 @@ float luminance(ivec2 p) {
   return dot(texelFetch(displayed, p, 0).rgb, vec3(0.299, 0.587, 0.114));
 }
 
+#include "techniques/fxaa/story.glsl"
+
 // Pixels to the end of the step that passes `from` in direction `along`, and by how much the two sides' mean differs there
 // from `edge`, their mean at the start. `across` leads to the other side.
 float steps_to_end(ivec2 from, ivec2 along, ivec2 across, float edge, float tolerance, out float difference) {
@@ -30,6 +33,7 @@ float steps_to_end(ivec2 from, ivec2 along, ivec2 across, float edge, float tole
     ++k;
     ivec2 p = from + int(k) * along;
     difference = 0.5 * (luminance(p) + luminance(p + across)) - edge;
+    TELL(tell_step(k, along, difference);)
     more = abs(difference) < tolerance && k < push.steps;
   }
   return float(k);
@@ -42,6 +46,7 @@ void main() {
   float w = luminance(pixel + ivec2(-1, 0)), e = luminance(pixel + ivec2(1, 0));
   float highest = max(m, max(max(n, s), max(w, e))), lowest = min(m, min(min(n, s), min(w, e)));
   float contrast = highest - lowest;
+  TELL(tell_luma(pixel, highest, lowest);)
   float share = 0.0;  // of the pixel across the edge
   ivec2 across = ivec2(0);
   for (bool edge_here = contrast >= max(push.least_contrast, push.relative_threshold * highest); edge_here;
@@ -62,6 +67,8 @@ void main() {
     float difference_back, difference_ahead;
     float back = steps_to_end(pixel, -along, across, edge, tolerance, difference_back);
     float ahead = steps_to_end(pixel, along, across, edge, tolerance, difference_ahead);
+    TELL(tell_edge(vec2(down, right), level, edge, tolerance,
+                   vec4(back, ahead, difference_back, difference_ahead));)
     // The step has back + ahead - 1 pixels. A straight edge through its middle crosses the boundary between the sides half
     // way, and cuts off the nearer end's pixels by as much as they are from that point.
     float nearer = min(back, ahead);
@@ -72,11 +79,13 @@ void main() {
     // Dots and thin lines have no step to follow: they go by how far the pixel is from its surroundings.
     float surroundings = (2.0 * (n + s + w + e) + nw + ne + sw + se) / 12.0;
     float isolation = smoothstep(0.0, 1.0, clamp(abs(surroundings - m) / contrast, 0.0, 1.0));
+    TELL(tell_shares(share, push.blur * isolation * isolation);)
     share = max(share, push.blur * isolation * isolation);
   }
   vec4 own = texelFetch(values, pixel, 0);
   ivec2 neighbour = clamp(pixel + across, ivec2(0), textureSize(values, 0) - 1);
   vec3 mixed = mix(own.rgb, texelFetch(values, neighbour, 0).rgb, share);
+  TELL(tell_mixed(across, share, own.rgb, texelFetch(values, neighbour, 0).rgb, mixed);)
   vec3 radiance = resolved_radiance(mixed);
   out_radiance = vec4(radiance, own.a);
   out_display = vec4(display_from_radiance(radiance), 1.0);

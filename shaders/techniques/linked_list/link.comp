@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // Gives the fragments their dynamic blocks and links each pixel's list, lowest samples first; one invocation for each tile.
 // A fragment whose place lies beyond the pool gets none.
 // Reads: leaders, scanned sums with the total behind the last. Writes: all pointers of the
@@ -12,6 +13,23 @@ layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "techniques/linked_list/leaders.glsl"
 
 layout(set = 0, binding = STORAGE(LINK_SLOT_TILE_SUMS), scalar) readonly buffer Sums { uvec4 sums[]; };
+
+#ifdef STORY
+#include "techniques/linked_list/story_interface.h"
+layout(set = 0, binding = STORAGE(LINK_SLOT_STORY), scalar) buffer Story {
+  uvec4 told;  // pixel, places
+  LinkPlace place_at[];
+};
+void tell_place(ivec2 pixel, uint s, uint samples, uint next, uint from) {
+  for (bool tell = pixel == ivec2(told.xy); tell; tell = false) {
+    place_at[told.z].of = uvec4(s, samples, next, from);
+    told.z = told.z + 1u;
+  }
+}
+#define TELL_PLACE(pixel, s, samples, next, from) tell_place(pixel, s, samples, next, from)
+#else
+#define TELL_PLACE(pixel, s, samples, next, from)
+#endif
 
 void main() {
   uvec2 tiles = tile_counts();
@@ -35,6 +53,7 @@ void main() {
         next = l == level ? place[l] : next;
         place[l] += l == level ? 1u : 0u;
       }
+      TELL_PLACE(pixel, s, leader_count(leaders, s), next, from);
       for (bool fits = next < pool.capacity; fits; fits = false) {
         uint block = first_dynamic() + next, link = make_link(block, leader_count(leaders, s), s);
         words.word[pointer_word(from)] = link;

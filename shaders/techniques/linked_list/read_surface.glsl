@@ -1,4 +1,4 @@
-// The surface that a block holds, without its position.
+// The surface that a block holds: as words of packing.glsl, unpacked without its position, lit.
 // Reads: the pool's words. Needs blocks.glsl.
 #ifndef SUBPIXEL_LINKED_LIST_READ_SURFACE_GLSL
 #define SUBPIXEL_LINKED_LIST_READ_SURFACE_GLSL
@@ -6,13 +6,15 @@
 #include "deferred/stored_sample.glsl"
 #include "include/coverage.glsl"
 
-Surface read_surface(LinkWords words, uint block) {
+uvec4 packed_surface(LinkWords words, uint block) {
   uvec2 own = uvec2(words.word[block_word(block, 0u)], words.word[block_word(block, 1u)]);
   uint emission = has_feature(FEATURE_EMISSIVE) ? words.word[emission_word(block)] : 0u;
-  if (one_byte_more()) return unpack_surface(widened(own, emission));
+  if (one_byte_more()) return widened(own, emission);
   uint bytes = words.word[shared_word(block)] >> (8u * (block & 1u));
-  return unpack_surface(uvec4(own, (bytes & 255u) | (bytes & 0xff0000u) >> 8, emission));
+  return uvec4(own, (bytes & 255u) | (bytes & 0xff0000u) >> 8, emission);
 }
+
+Surface read_surface(LinkWords words, uint block) { return unpack_surface(packed_surface(words, block)); }
 
 // Where sample s of the pixel is, by the depth buffer.
 vec3 sample_position(ivec2 pixel, uint s) {

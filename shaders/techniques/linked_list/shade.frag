@@ -31,7 +31,7 @@ void main() {
     uint block = link == 0u ? pixel_block(pixel) : link_block(link);
     uint count = link == 0u ? own_samples(list) : link_count(link);
     vec3 value = lit_block(words, block, pixel, s);
-    TELL_EXECUTION(pixel, block, count, uvec2(1u << s, 0u), vec3(0.0), value);
+    TELL_EXECUTION(pixel, block, count, uvec2(1u << s, 0u), sample_position(pixel, s), value);
     sum += float(count) * value;
     shown += count;
   }
@@ -40,7 +40,7 @@ void main() {
       for (bool listed = list.link[s] != 0u; listed; listed = false) {
         uint block = link_block(list.link[s]), count = link_count(list.link[s]);
         vec3 value = unpack_lit(uvec2(words.word[block_word(block, 0u)], words.word[block_word(block, 1u)]));
-        TELL_EXECUTION(pixel, block, count, uvec2(1u << s, 0u), vec3(0.0), value);
+        TELL_EXECUTION(pixel, block, count, uvec2(1u << s, 0u), sample_position(pixel, s), value);
         sum += float(count) * value;
         shown += count;
       }

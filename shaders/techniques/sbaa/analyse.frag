@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // The surfaces of each pixel, from depth, primitive and normal of its samples.
 // Reads: visibility; normals and slopes of triangles.
 // Writes: the kept surfaces, 16 bits each; how many they are; how many samples belong to the others.

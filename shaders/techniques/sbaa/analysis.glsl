@@ -14,6 +14,16 @@ struct AnalysedSample {
 };
 AnalysedSample analysed_sample(uint s);
 
+// Of unit vectors. In this order, each product and sum rounded: the decision is the same wherever it is computed.
+float face_cosine(vec3 a, vec3 b) {
+  precise float c = a.x * b.x;
+  c = c + a.y * b.y;
+  c = c + a.z * b.z;
+  return c;
+}
+
+#include "techniques/sbaa/story.glsl"
+
 // Primitive numbers are stored in 8 bits, of which neighbours in the stream share few: Knuth's multiplicative hash.
 uint primitive_hash(uint primitive) { return (primitive * 2654435769u) >> 24; }
 
@@ -53,19 +63,19 @@ KeptSurfaces analyse_pixel(uint hashes[8], uint covered, bool merge, float cosin
       AnalysedSample s = analysed_sample(first);
       float nearest = s.depth + s.slope, farthest = s.depth - s.slope;
       for (uint j = 0u; j < SAMPLES; ++j) {
-        // In this order, each product and sum rounded: the decision is the same wherever it is computed.
-        precise float c = normal[j].x * s.normal.x;
-        c = c + normal[j].y * s.normal.y;
-        c = c + normal[j].z * s.normal.z;
+        float c = face_cosine(normal[j], s.normal);
         bool fits = j < count && c > cosine && farthest <= high[j] && low[j] <= nearest;
         into = fits && into == count ? j : into;
       }
+      TELL_GROUP(first, same, into, count, true, normal, low, high);
       for (uint j = 0u; j < SAMPLES; ++j) {
         bool here = j == into, fresh = into == count;
         normal[j] = here && fresh ? s.normal : normal[j];
         low[j] = here ? (fresh ? farthest : min(low[j], farthest)) : low[j];
         high[j] = here ? (fresh ? nearest : max(high[j], nearest)) : high[j];
       }
+    } else {
+      TELL_GROUP(first, same, into, count, false, normal, low, high);
     }
     for (uint j = 0u; j < SAMPLES; ++j) mask[j] |= j == into ? same : 0u;
     count += into == count ? 1u : 0u;

@@ -22,6 +22,24 @@ layout(set = 0, binding = SAMPLED(SBAA_SLOT_GBUFFER)) uniform usampler2DArray gb
 layout(set = 0, binding = SAMPLED(SBAA_SLOT_DROPPED)) uniform usampler2D dropped;
 layout(location = 0) out vec4 out_sum;
 
+#ifdef STORY
+#include "techniques/sbaa/story_interface.h"
+layout(set = 0, binding = STORAGE(SBAA_SLOT_STORY), scalar) buffer Story {
+  uvec4 kept_told;  // pixel, surfaces
+  SbaaKept kept_at[];
+};
+void tell_kept(ivec2 pixel, uint slot, uint word, uvec4 packed) {
+  for (bool tell = pixel == ivec2(kept_told.xy); tell; tell = false) {
+    kept_at[kept_told.z].head = uvec4(slot, surface_first(word), surface_samples(word), 0u);
+    kept_at[kept_told.z].surface = packed;
+    kept_told.z = kept_told.z + 1u;
+  }
+}
+#define TELL_KEPT(pixel, slot, word, packed) tell_kept(pixel, slot, word, packed)
+#else
+#define TELL_KEPT(pixel, slot, word, packed)
+#endif
+
 // Where the attributes of a surface were taken, as near as depth and description tell: the pixel's centre when it has all
 // samples, else its first sample.
 vec3 surface_position(ivec2 pixel, uint word) {
@@ -48,7 +66,9 @@ void main() {
     uint word = stored_surface(texel, k);
     // A loop, so that groups of pixels that have no such surface skip the lighting.
     for (bool stored = word != 0u; stored; stored = false) {
-      Surface surface = surface_of_stored(texelFetch(gbuffer, ivec3(pixel, k), 0));
+      uvec4 stored_words = texelFetch(gbuffer, ivec3(pixel, k), 0);
+      Surface surface = surface_of_stored(stored_words);
+      TELL_KEPT(pixel, k, word, packed_of_stored(stored_words));
       surface.position = surface_position(pixel, word);
       vec3 value = resolvable(shade(surface, normalize(frame.eye.xyz - surface.position)));
       TELL_EXECUTION(pixel, k, surface_samples(word), uvec2(1u << surface_first(word), 0u), surface.position, value);

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // The edges west and north of a pixel: steps of luma or colour that no stronger one beside them hides.
 // Reads: display values. Writes: SMAA_EDGE_ bits.
 #include "techniques/smaa/smaa_interface.h"
@@ -21,6 +22,26 @@ float contrast(vec3 a, vec3 b) {
   return max(max(difference.r, difference.g), difference.b);
 }
 
+#ifdef STORY
+#include "techniques/smaa/story_interface.h"
+layout(set = 0, binding = STORAGE(SMAA_SLOT_STORY), scalar) buffer Story {
+  uvec4 told;  // pixel, how many
+  SmaaEdgesStory story[SMAA_STORY_PIXELS];
+};
+void tell_edges(vec4 steps, vec3 more, uint edges) {
+  ivec2 from = ivec2(gl_FragCoord.xy) - ivec2(told.xy);
+  for (bool tell = from.x + from.y <= 1; tell; tell = false) {
+    story[from.x + 2 * from.y].steps = steps;
+    story[from.x + 2 * from.y].more = vec4(more, 0.0);
+    story[from.x + 2 * from.y].head = uvec4(edges, 1u, 0u, 0u);
+    told.z = SMAA_STORY_PIXELS;
+  }
+}
+#define TELL(what) what
+#else
+#define TELL(what)
+#endif
+
 void main() {
   ivec2 p = ivec2(gl_FragCoord.xy);
   vec3 here = shown(p), west = shown(p - ivec2(1, 0)), north = shown(p - ivec2(0, 1));
@@ -31,5 +52,6 @@ void main() {
   uint edges = 0u;
   if (to_west >= push.threshold && push.adaptation * to_west >= most) edges |= SMAA_EDGE_WEST;
   if (to_north >= push.threshold && push.adaptation * to_north >= most) edges |= SMAA_EDGE_NORTH;
+  TELL(tell_edges(vec4(to_west, to_north, to_east, to_south), vec3(beyond_west, beyond_north, most), edges);)
   out_edges = edges;
 }

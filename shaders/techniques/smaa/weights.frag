@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // How much of each other the pixels on both sides of an edge take: the areas between the edge and the line that its
 // pattern stands for.
 // Reads: edges; the table of areas. Writes: four weights of 8 bits, from the lowest: of the pixel and of its northern
@@ -12,6 +13,46 @@ layout(set = 0, binding = STORAGE(SMAA_SLOT_AREAS), scalar) readonly buffer Area
 layout(push_constant, scalar) uniform Push { SmaaWeightsPush push; };
 
 layout(location = 0) out uint out_weights;
+
+#ifdef STORY
+#include "techniques/smaa/story_interface.h"
+layout(set = 0, binding = STORAGE(SMAA_SLOT_STORY), scalar) buffer Story {
+  uvec4 told;  // pixel, how many
+  SmaaWeightsStory story[SMAA_STORY_PIXELS];
+};
+// Which of the story's pixels this is; SMAA_STORY_PIXELS: none.
+int told_number() {
+  ivec2 from = ivec2(gl_FragCoord.xy) - ivec2(told.xy);
+  return from.x + from.y <= 1 ? from.x + 2 * from.y : SMAA_STORY_PIXELS;
+}
+void tell_line(int which, ivec2 distances, uvec2 crossed, vec2 found, vec2 factors) {
+  int at = told_number();
+  for (bool tell = at < SMAA_STORY_PIXELS; tell; tell = false) {
+    story[at].head.x |= which == 0 ? SMAA_TOLD_LEVEL : SMAA_TOLD_UPRIGHT;
+    story[at].line[which] = uvec4(distances, crossed);
+    story[at].line_areas[which] = vec4(found, factors);
+  }
+}
+void tell_diagonal(int which, ivec2 distances, uvec2 crossed, vec2 found) {
+  int at = told_number();
+  for (bool tell = at < SMAA_STORY_PIXELS; tell; tell = false) {
+    story[at].head.x |= which == 0 ? SMAA_TOLD_RISING : SMAA_TOLD_FALLING;
+    story[at].diagonal[which] = uvec4(distances, crossed);
+    story[at].diagonal_areas[which] = vec4(found, 0.0, 0.0);
+  }
+}
+void tell_weights(vec4 weights, uint bytes) {
+  int at = told_number();
+  for (bool tell = at < SMAA_STORY_PIXELS; tell; tell = false) {
+    story[at].weights = weights;
+    story[at].head.yz = uvec2(bytes, 1u);
+    told.z = SMAA_STORY_PIXELS;
+  }
+}
+#define TELL(what) what
+#else
+#define TELL(what)
+#endif
 
 // Outside of the image the border's edges go on, as a sampler that clamps has it.
 bool edge_at(ivec2 p, uint edge) {
@@ -80,6 +121,9 @@ vec2 line_weights(ivec2 p, Direction line) {
   ivec2 distances = ivec2(reach(p, line, false), reach(p, line, true));
   ivec2 first = p - distances.x * line.along, last = p + distances.y * line.along;
   vec2 found = line_areas(crossing_at(first, line), crossing_at(last + line.along, line), distances);
+  TELL(tell_line(line.along.x == 1 ? 0 : 1, distances,
+                 uvec2(crossing_at(first, line), crossing_at(last + line.along, line)), found,
+                 corner_factors(first, last, line, distances));)
   return found * corner_factors(first, last, line, distances);
 }
 
@@ -126,6 +170,7 @@ vec2 diagonal_weights(ivec2 p) {
     uint before = crossings(edge_at(first - east, SMAA_EDGE_NORTH), edge_at(first, SMAA_EDGE_WEST));
     uint after = crossings(edge_at(last + east, SMAA_EDGE_NORTH), edge_at(last + east + north, SMAA_EDGE_WEST));
     weights += diagonal_areas(ends_before ? before : 0u, ends_after ? after : 0u, d);
+    TELL(tell_diagonal(0, d, uvec2(ends_before ? before : 0u, ends_after ? after : 0u), weights);)
   }
   // Falling.
   d = ivec2(0);
@@ -137,6 +182,8 @@ vec2 diagonal_weights(ivec2 p) {
     uint before = crossings(edge_at(first - east, SMAA_EDGE_NORTH), edge_at(first + north, SMAA_EDGE_WEST));
     uint after = crossings(edge_at(last + east, SMAA_EDGE_NORTH), edge_at(last + east, SMAA_EDGE_WEST));
     weights += diagonal_areas(ends_before ? before : 0u, ends_after ? after : 0u, d).yx;
+    TELL(tell_diagonal(1, d, uvec2(ends_before ? before : 0u, ends_after ? after : 0u),
+                       diagonal_areas(ends_before ? before : 0u, ends_after ? after : 0u, d).yx);)
   }
   return weights;
 }
@@ -154,4 +201,5 @@ void main() {
   if (west && !diagonal) weights.zw = line_weights(p, UPRIGHT);
   uvec4 bytes = uvec4(clamp(weights, 0.0, 1.0) * 255.0 + 0.5);
   out_weights = bytes.x | bytes.y << 8 | bytes.z << 16 | bytes.w << 24;
+  TELL(tell_weights(weights, out_weights);)
 }

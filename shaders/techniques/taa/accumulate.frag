@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: = STORY=-DSTORY
 // Adds a frame to what was accumulated before it, at the place where the pixel's surface was then.
 // Karis 2014, "High-quality temporal supersampling"; Salvi 2016, "An excursion in temporal supersampling" (bounds of
 // variance); Yang, Liu and Salvi 2020, "A survey of temporal antialiasing techniques".
@@ -25,6 +26,8 @@ layout(location = 2) out vec4 out_history;
 layout(location = 3) out float out_depth;
 layout(location = 4) out uint out_rejected;
 layout(location = 5) out uint out_clipped;
+
+#include "techniques/taa/story.glsl"
 
 const vec3 LUMA = vec3(0.2126, 0.7152, 0.0722);
 const float MOST_LUMA = 0.99999;
@@ -112,6 +115,7 @@ vec3 bounded(ivec2 p, vec3 before) {
     high = max(high, colour);
     sum += colour;
     squares += colour * colour;
+    TELL(tell_neighbour(k, colour);)
   }
   if (push.bounds == TAA_BOUNDS_VARIANCE) {
     vec3 mean = sum / 9.0;
@@ -120,6 +124,7 @@ vec3 bounded(ivec2 p, vec3 before) {
     high = mean + reach;
   }
   vec3 colour = ycocg(before), inside = clamp(colour, low, high);
+  TELL(tell_bounds(low, high, inside != colour);)
   if (inside == colour) return before;
   if (push.bounds != TAA_BOUNDS_CLAMP) {
     // Towards the middle of the box, until it is reached.
@@ -137,6 +142,7 @@ void main() {
   vec3 value = compressed(own.rgb);
   float frames = 1.0;
   uint rejected = 0u, moved = 0u;
+  TELL(tell_begin(); float share = 1.0;)
   if (push.has_history != 0u) {
     Mover front = front_most(p);
     bool sky = front.triangle == SUBPIXEL_NO_TRIANGLE;
@@ -148,17 +154,21 @@ void main() {
     vec2 centre = ndc + push.unjitter;
     vec2 came_from = vec2(p) + 0.5 + (w > 0.0 ? (change.xy - centre * change.w) / w * 0.5 * size : size * 2.0);
     bool inside = all(greaterThanEqual(came_from, vec2(0.0))) && all(lessThan(came_from, size));
+    TELL(tell_motion(front.pixel, front.triangle, instance, front.depth, came_from, (front.depth + change.z) / w,
+                     inside);)
     if (inside && was_open(came_from, sky, (front.depth + change.z) / w)) {
       vec4 before = history_at(came_from);
       vec3 kept = bounded(p, before.rgb);
       moved = uint(min(length(ycocg(kept) - ycocg(before.rgb)), 1.0) * 255.0 + 0.5);
       frames = min(before.a + 1.0, 1024.0);
       float alpha = push.progressive != 0u ? max(push.alpha, 1.0 / frames) : push.alpha;
+      TELL(tell_history(before, kept); share = alpha;)
       value = kept + alpha * (value - kept);
     } else {
       rejected = 1u;
     }
   }
+  TELL(tell_value(compressed(own.rgb), share, value, frames);)
   vec3 radiance = resolved_radiance(decompressed(value));
   out_radiance = vec4(radiance, own.a);
   out_display = vec4(display_from_radiance(radiance), 1.0);

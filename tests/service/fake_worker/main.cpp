@@ -352,6 +352,11 @@ int view(const std::vector<std::string>& arguments) {
     std::cout << R"({"draws_of_frame":)" << std::string(kDepth, '[') << std::string(kDepth, ']') << "}\n";
     return 0;
   }
+  if (fake.value("how", "") == "view_without_draws") {
+    std::cout << R"({"title":"A fake capture"})"
+              << "\n";
+    return 0;
+  }
   std::uint32_t frame = 0, width = 0, height = 0;
   for (const std::string& argument : arguments) {
     if (argument.starts_with("--frame=")) frame = static_cast<std::uint32_t>(std::stoul(argument.substr(8)));
@@ -427,14 +432,34 @@ int tell(const std::vector<std::string>& arguments) {
                    {"fragments", {fragment}},
                    {"steps", {{{"fragment", 0}, {"what", "stored as surface 0"}}}},
                    {"maps", {{"merges", 0}}},
+                   {"resolve", {{"what", "the mean of 2 samples: 2 of what is lit, 0 of the sky"}}},
                    {"executions", {{{"of", 0}, {"samples", "0x3"}, {"weight", 2}, {"value", {0.5, 0.25, 0.125}}}}},
                    {"result", result}};
+  // One of a technique that keeps aggregates, one of a filter.
+  json kept = story, filtered = story;
+  kept["technique"] = "agaa";
+  const json aggregate{{"normal", {0, 0, 1}},
+                       {"diffuse", {0.5, 0.25, 0.125}},
+                       {"reflectance", {0.04, 0.04, 0.04}},
+                       {"roughness", 0.8},
+                       {"emissive", {0, 0, 0}}};
+  kept["surfaces"] = {{{"slot", 0},
+                       {"covers", "0x3"},
+                       {"weight", 2},
+                       {"depth_of", "reversed depth"},
+                       {"nearest", 0.25},
+                       {"farthest", 0.2},
+                       {"surface", aggregate}}};
+  filtered["technique"] = "fxaa";
+  filtered["filter"] = {
+      {{"kind", "luma"}, {"neighbourhood", {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}}, {"what", "0.5000 here"}},
+      {{"kind", "blend"}, {"what", "0.7500 of the pixel's <b>value</b>"}}};
   std::cout << json{{"arguments", arguments},
                     {"pixel", {1, 2}},
                     {"frame", 0},
                     {"size", {64, 36}},
                     {"capture", "fake"},
-                    {"stories", {story}},
+                    {"stories", {story, kept, filtered}},
                     {"reference",
                      {{"samples", 4},
                       {"result", result},
