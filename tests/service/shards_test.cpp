@@ -109,7 +109,11 @@ TEST_F(ShardFolder, GivesBackWhatWasWritten) {
   write(0, 1, "msaa");
   replay::ResultsHead head;
   head.driver = "none";
-  server::write_end(results(), {{head, "", 4}, "n1", 2.5});
+  server::ShardEnd written;  // by members: GCC 12 warns of the nested braces
+  written.end.head = head;
+  written.node = "n1";
+  written.seconds = 2.5;
+  server::write_end(results(), written);
   const server::ShardOutcome outcome = read();
   ASSERT_EQ(outcome.results.size(), 1u);
   const server::ShardResult& result = outcome.results.at({0, 1});
