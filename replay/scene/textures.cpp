@@ -99,7 +99,8 @@ const std::array<float, 256>& srgb_table() {
 }
 
 std::uint8_t to_byte(float value) {
-  return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f);
+  const float rounded = std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f;
+  return static_cast<std::uint8_t>(rounded);
 }
 
 Level to_linear(const Mipmaps& image, bool premultiply) {

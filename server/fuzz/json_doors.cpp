@@ -75,7 +75,7 @@ const std::vector<std::vector<std::string>>& JsonDoors::examples() {
   static const std::vector<std::vector<std::string>> kExamples{
       {R"({"name":"n","techniques":["noaa","msaa:samples=4|8"],"size":[64,32],"repeat":2,"keep":3,"frames":[0,1],)"
        R"("captures":[{"scene":"streaming_*"},{"path":"a.spcap","name":"b"},{"tag":"t","also":"fxaa"}],)"
-       R"("gates":{"images":false,"error":{"mse":{"limit":0.1,"relative":0.02}},"time":{"slower":0.25,"confirm":1},)"
+       R"("gates":{"images":false,"error":{"mse":{"limit":0.1,"relative":0.02}},"time":{"slower":0.25,"alarm":0.02},)"
        R"("across":{"relative":0.05}}})",
        R"({"name":"all","techniques":"all","captures":[{"scene":"cube","seed":3}],"data":"d","gates":{"time":false}})"},
       {head_line(), result_line(), R"({"type":"progress","stage":"replay","done":1,"total":2.5,"detail":"x"})",

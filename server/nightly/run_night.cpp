@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <set>
+#include <utility>
 
 #include "base/build_commit.hpp"
 #include "base/error.hpp"
@@ -68,6 +69,13 @@ void add_round(NightCell& cell, const std::vector<NightCell>& round, Measure mea
   if (one.own > 0) cell.time.rounds.push_back(std::move(one));
 }
 
+// A frame whose capture is still replayed: until that is through nothing of it is stored.
+struct Waiting {
+  std::uint32_t ordinal;
+  replay::FrameResult result;
+  std::map<std::string, Blob> images;
+};
+
 class Night {
  public:
   Night(const NightlyConfig& config, const DataFolder& folder, Store& store, const NightOptions& options)
@@ -92,7 +100,7 @@ class Night {
   void compare_frames(NightCell& today, const NightCell& yesterday);
   void add_planned(Planned planned);
   void replay_all();
-  void store_capture(std::size_t index, ReplayEnd end);
+  void store_capture(std::size_t index, ReplayEnd end, const std::vector<Waiting>& frames);
   ReplayRequest request_for(const Planned& planned) const;
   std::map<std::string, double> last_seconds(const std::string& capture) const;
   void judge_all();
@@ -114,13 +122,6 @@ class Night {
   LocalEngine here_;
   ReplayEngine& engine_;
   std::vector<Planned> planned_;
-  // A frame whose capture is still replayed: until that is through nothing of it is stored.
-  struct Waiting {
-    std::uint32_t ordinal;
-    replay::FrameResult result;
-    std::map<std::string, Blob> images;
-  };
-  std::vector<Waiting> waiting_;
   std::optional<NightRecord> last_;  // the last night of the name, for what took how long
   NightRecord night_;
   std::optional<NightRecord> baseline_;
@@ -322,25 +323,26 @@ void Night::replay_all() {
     requests.push_back(request_for(planned_[i]));
     indices.push_back(i);
   }
+  std::vector<Waiting> waiting;  // results of the request that has not ended
   std::size_t next = 0;
   const auto store_without_replay = [&](std::size_t until) {
-    for (; next < until; ++next) store_capture(next, {std::nullopt, planned_[next].capture.problem});
+    for (; next < until; ++next) store_capture(next, {std::nullopt, planned_[next].capture.problem}, {});
   };
   ReplaySink sink;
   sink.progress = options_.progress;
   sink.result = [&](std::size_t, std::uint32_t ordinal, replay::FrameResult result,
                     std::map<std::string, Blob> images) {
-    waiting_.push_back({ordinal, std::move(result), std::move(images)});
+    waiting.push_back({ordinal, std::move(result), std::move(images)});
   };
   sink.end = [&](std::size_t request, ReplayEnd end) {
     store_without_replay(indices[request]);
-    store_capture(next++, std::move(end));
+    store_capture(next++, std::move(end), std::exchange(waiting, {}));
   };
   engine_.replay(requests, sink);
   store_without_replay(planned_.size());
 }
 
-void Night::store_capture(std::size_t index, ReplayEnd end) {
+void Night::store_capture(std::size_t index, ReplayEnd end, const std::vector<Waiting>& frames) {
   const Planned& planned = planned_[index];
   NightCapture capture = planned.capture;
   capture.head = std::move(end.head);
@@ -355,11 +357,10 @@ void Night::store_capture(std::size_t index, ReplayEnd end) {
   }
   nights_.add_capture(night_.id, static_cast<std::uint32_t>(index), capture);
   for (NightCell& cell : cells) cell.id = nights_.add_cell(night_.id, cell);
-  for (const Waiting& frame : waiting_) {
+  for (const Waiting& frame : frames) {
     NightCell& cell = cells[frame.ordinal];
     cell.frames.push_back(nights_.add_frame(cell.id, frame.result, frame.images));
   }
-  waiting_.clear();
   for (NightCell& cell : cells) cell.time = cell_time(cell, cells);
   night_.captures.push_back(std::move(capture));
   std::ranges::move(cells, std::back_inserter(night_.cells));

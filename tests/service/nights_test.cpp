@@ -96,7 +96,7 @@ TEST_F(Nights, ACrashFailsItsCaptureAndTheNightGoesOn) {
   EXPECT_TRUE(night_.captures[2].problem.empty());
   EXPECT_EQ(night_.cells.at(0).status, CellStatus::failed);
   EXPECT_EQ(night_.cells.at(0).frames.size(), 2u) << "what was measured before the crash is kept";
-  EXPECT_EQ(night_.cells.at(8).status, CellStatus::new_);
+  EXPECT_EQ(night_.cells.at(8).status, CellStatus::new_) << json(failed_gates(night_.cells.at(8)));
 }
 
 TEST_F(Nights, TaggedCapturesAreReplayed) {
