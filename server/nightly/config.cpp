@@ -40,7 +40,7 @@ struct Settings {
 };
 
 std::string name_from(const JsonField& field) {
-  const std::string text = field.text();
+  std::string text = field.text();
   if (text.empty() || text.size() > kMaxNameBytes || printable(text, kMaxNameBytes) != text) {
     field.fail(fmt::format("expected a name of 1 to {} printable bytes", kMaxNameBytes));
   }
@@ -286,7 +286,7 @@ std::vector<TagLimit> read_tag_limits(const JsonField& tags) {
 
 // What may stand in a mail's header and can't be an option of sendmail.
 std::string mail_address(const JsonField& field) {
-  const std::string text = field.text();
+  std::string text = field.text();
   const std::size_t at = text.find('@');
   const bool plain = std::ranges::all_of(text, [](unsigned char c) {
     return c > 0x20 && c < 0x7f &&
