@@ -78,7 +78,8 @@ Delivery deliver(const Webhook& hook, std::uint32_t attempts, const std::string&
     const std::string now = std::to_string(std::time(nullptr));
     httplib::Headers headers{
         {"User-Agent", "subpixel"}, {"X-Subpixel-Timestamp", now}, {"X-Subpixel-Attempt", std::to_string(attempt)}};
-    if (!secret.empty()) headers.emplace("X-Subpixel-Signature", "sha256=" + hmac_sha256(secret, now + "." + body));
+    if (!secret.empty())
+      headers.emplace("X-Subpixel-Signature", "sha256=" + hmac_sha256(secret, fmt::format("{}.{}", now, body)));
     const httplib::Result result = client.Post(path, headers, body, "application/json");
     if (result && result->status >= 200 && result->status < 300)
       return {true, fmt::format("{}: {}", hook.url, result->status)};

@@ -91,6 +91,7 @@ Moved place_blobs(const DataFolder& folder, std::optional<std::uint64_t> large_b
     std::vector<std::string> hashes;
     {
       std::vector<std::string> bytes;
+      bytes.reserve(rows.size());
       for (const Row& row : rows) bytes.push_back(bytes_of(store, row));
       const Store::WriteLease writer = store.write();
       Transaction transaction(writer.connection());
