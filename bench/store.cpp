@@ -6,8 +6,6 @@
 // The store is filled by SQL without syncing, one night copied again and again, and kept in FOLDER: a second call
 // measures it as it is. Ten million results take about 25 GB.
 #include <fmt/format.h>
-#include <span>
-#include <vector>
 
 #include <algorithm>
 #include <chrono>

@@ -7,7 +7,6 @@ namespace {
 
 using server::CellStatus;
 using server::DataFolder;
-using server::GateOutcome;
 using server::NightCell;
 using server::NightRecord;
 using server::NightStatus;

@@ -269,7 +269,7 @@ TEST_F(Upkeep, CapturesGoOnlyWhenNobodyNeedsThem) {
 }
 
 TEST_F(Upkeep, CompactGivesRoomBackWhenNobodyElseIsThere) {
-  const auto [hash, run] = measured(20);
+  measured(20);
   EXPECT_EQ(subpixel("store gc --compact --keep-count 0 --data " + data().string()).first, 3) << "a service runs";
   stop();
   const auto before = fs::file_size(store_file());

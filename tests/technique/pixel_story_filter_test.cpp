@@ -229,8 +229,8 @@ TEST(PixelStory, FilterOfSmaaReplayedIsTheFrame) {
             const glm::vec3 mixed = (after * mix(own, last, after) + before * mix(own, first, before)) / sum;
             EXPECT_EQ(vector(blend["mixed"]), mixed);
             EXPECT_EQ(displayed ? radiance_of_tone(mixed) : mixed, radiance);
-            EXPECT_EQ(told["maps"]["blended"],
-                      static_cast<std::uint32_t>((after * after + before * before) / sum * 255.0f + 0.5f));
+            const float share = (after * after + before * before) / sum * 255.0f + 0.5f;
+            EXPECT_EQ(told["maps"]["blended"], static_cast<std::uint32_t>(share));
           });
     }
   }
@@ -342,6 +342,7 @@ TEST(PixelStory, AccumulationOfTaaReplayedIsTheFrame) {
             for (int c = 0; c < 3; ++c) EXPECT_NEAR(vector((*history)["value"])[c], sample[c], 2e-6f * (1 + sample[c]));
             const json& bounds = *step_of(told, "bounds");
             std::vector<glm::vec3> colours;
+            colours.reserve(9);
             for (int k = 0; k < 9; ++k)
               colours.push_back(ycocg(glm::vec3(own.radiance[index_of(p.x + k % 3 - 1, p.y + k / 3 - 1)])));
             for (std::size_t k = 0; bounds.contains("colours") && k < 9; ++k)

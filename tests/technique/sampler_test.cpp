@@ -63,8 +63,9 @@ class Oracle {
  private:
   glm::dvec3 texel(std::size_t level, int x, int y) const {
     const int size = static_cast<int>(kTexels >> level);
-    const auto& t = read_.levels[level][static_cast<std::size_t>(wrapped(y, size, read_.sampler.wrap_v) * size +
-                                                                 wrapped(x, size, read_.sampler.wrap_u))];
+    const int row = wrapped(y, size, read_.sampler.wrap_v), column = wrapped(x, size, read_.sampler.wrap_u);
+    const auto& t = read_.levels[level][static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
+                                        static_cast<std::size_t>(column)];
     return glm::dvec3(t[0], t[1], t[2]) / 255.0;
   }
 
@@ -136,7 +137,8 @@ capture::Capture capture_of(const std::vector<Read>& all) {
     capture.materials.push_back(material);
     // A triangle twice the cell, whose other half later cells cover: no diagonal lies in what is looked at.
     const auto place = [](double pixel) { return static_cast<float>(2 * pixel / kSide - 1); };
-    const double left = i % kCells * kCell, top = i / kCells * kCell;
+    const std::uint32_t column = i % kCells, row = i / kCells;
+    const double left = column * kCell, top = row * kCell;
     const float z = static_cast<float>(i) / static_cast<float>(all.size());
     auto& draw = add_triangles(
         capture,
@@ -193,7 +195,8 @@ TEST(SceneSamplers, CoordinatesOfAnySizeGiveFiniteColours) {
     sampler.magnify = static_cast<capture::TexelFilter>(i % 2);
     material.base_colour_uv.matrix = matrices[i / 3];
     capture.materials.push_back(material);
-    const float x = static_cast<float>(i % 4) * 0.5f - 1, y = static_cast<float>(i / 4) * 0.66f - 1;
+    const auto column = i % 4, row = i / 4;
+    const float x = static_cast<float>(column) * 0.5f - 1, y = static_cast<float>(row) * 0.66f - 1;
     auto& draw = add_triangles(capture, rectangle(x, y, x + 0.5f, y + 0.66f, 0), i);
     draw.uv = {add_buffer(capture, std::vector<float>{-9e5f, 3, 9e5f, -7e5f, 1e30f, nan, 0, 1, 1, -1e9f, 5e5f, 0}),
                capture::VertexFormat::float32x2, 0, 8};
