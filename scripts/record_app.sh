@@ -41,10 +41,11 @@ command -v xvfb-run >/dev/null || fail "xvfb-run is missing; Debian's packages a
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 export LIBGL_ALWAYS_SOFTWARE=${LIBGL_ALWAYS_SOFTWARE:-1} SDL_AUDIODRIVER=${SDL_AUDIODRIVER:-dummy}
-captures=$(PYTHONPATH=$here/python PYTHONDONTWRITEBYTECODE=1 xvfb-run -a -s "-screen 0 ${size}x24" "$python" \
-  -m subpixel_renderdoc.record "${when[@]}" --frames "$frames" --timeout "$timeout" "$folder/frame" "$@" |
-  sed -n '/\.rdc$/p')
-mapfile -t files <<<"$captures"
+# What the application prints, colours too, is in between what the recorder prints: the files are found by their names.
+PYTHONPATH=$here/python PYTHONDONTWRITEBYTECODE=1 xvfb-run -a -s "-screen 0 ${size}x24" "$python" \
+  -m subpixel_renderdoc.record "${when[@]}" --frames "$frames" --timeout "$timeout" "$folder/frame" "$@" >&2
+mapfile -t files < <(find "$folder" -name 'frame_*.rdc' | sort -V)
+[ ${#files[@]} -gt 0 ] || fail "no frame was captured"
 next=()
 for file in "${files[@]:1}"; do next+=(--next "$file"); done
 if [ -n "$keep" ]; then mkdir -p "$keep"; cp "${files[@]}" "$keep/"; fi
