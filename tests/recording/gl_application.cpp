@@ -160,7 +160,9 @@ void draw(const scene::Part& part, const Buffers& buffers) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::fputs("\033[0;;m", stdout);  // as games do; whoever records must not take it for a part of their own lines
+  // As games print colours; whoever records must not take them for a part of their own lines.
+  std::fputs("\033[0;;m", stdout);
+  std::fflush(stdout);
   const int frames = argc > 1 ? std::atoi(argv[1]) : 1000;
   const Surface window = open_window();
   const GLuint scene_program = compile(kSceneVertex, kSceneFragment);
