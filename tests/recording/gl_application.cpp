@@ -117,6 +117,7 @@ Buffers make_buffers() {
   std::size_t offset = 0;
   glBindBuffer(GL_ARRAY_BUFFER, out.vertices);
   for (GLuint i = 0; i < 4; ++i) {
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): offsets into buffers are pointers there
     glVertexAttribPointer(i, sizes[i], GL_FLOAT, GL_FALSE, sizeof(scene::Vertex), reinterpret_cast<void*>(offset));
     glEnableVertexAttribArray(i);
     offset += sizeof(float) * static_cast<std::size_t>(sizes[i]);
