@@ -150,6 +150,7 @@ void draw(const scene::Part& part, const Buffers& buffers) {
   const GLenum kind = kinds[static_cast<int>(part.topology)];
   const auto count = static_cast<GLsizei>(part.count), instances = static_cast<GLsizei>(part.instances);
   if (part.indexed) {
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): the same
     const auto at = reinterpret_cast<const void*>(std::size_t{part.first} * 2);
     glDrawElementsInstancedBaseVertexBaseInstance(kind, count, GL_UNSIGNED_SHORT, at, instances, part.base_vertex,
                                                   part.first_instance);
