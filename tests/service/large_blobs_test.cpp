@@ -197,9 +197,7 @@ TEST_F(LargeBlobs, CheckNamesDamageAndLeftoversGo) {
   const fs::path healthy = folder_.path() / "healthy";
   fs::copy(data(), healthy, fs::copy_options::recursive);
   const auto damage_after = [&](const std::function<void()>& harm) {
-    fs::remove_all(data());
-    fs::copy(healthy, data(), fs::copy_options::recursive);
-    harm();
+    harm_a_copy(healthy, data(), harm);
     return joined(check().damage);
   };
   EXPECT_EQ(damage_after([] {}), "");

@@ -1,6 +1,7 @@
 // What a service does to its store, step by step, each of which is one commit; and what a store holds, as one text.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -34,6 +35,14 @@ inline replay::FrameResult stored_result(std::uint32_t frame, const std::string&
   result.ms.passes = {{"set-up", 1.5}, {"shade", 2.5}};
   result.ms.total_ms = 4;
   return result;
+}
+
+// `folder` as `healthy` is, and then harmed.
+inline void harm_a_copy(const std::filesystem::path& healthy, const std::filesystem::path& folder,
+                        const std::function<void()>& harm) {
+  std::filesystem::remove_all(folder);
+  std::filesystem::copy(healthy, folder, std::filesystem::copy_options::recursive);
+  harm();
 }
 
 // An image of so many bytes that no two numbers share.

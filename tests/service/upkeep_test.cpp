@@ -123,9 +123,7 @@ TEST_F(Upkeep, CheckNamesWhatIsDamaged) {
   const fs::path healthy = folder() / "healthy";
   fs::copy(data(), healthy, fs::copy_options::recursive);
   const auto damage_after = [&](const std::function<void()>& harm) {
-    fs::remove_all(data());
-    fs::copy(healthy, data(), fs::copy_options::recursive);
-    harm();
+    harm_a_copy(healthy, data(), harm);
     return joined(check().damage);
   };
   EXPECT_EQ(damage_after([] {}), "");
