@@ -75,9 +75,8 @@ std::vector<std::string> environment_with(const std::filesystem::path& package, 
                                  with_variable("MESA_SHADER_CACHE_DIR", (temporary / "mesa").string()),
                                  with_variable("MESA_SHADER_CACHE_DISABLE", "false")};
   if (!on_display) {
-    added.insert(added.end(),
-                 {with_variable("DISPLAY", ""), with_variable("WAYLAND_DISPLAY", ""),
-                  with_variable("LIBGL_ALWAYS_SOFTWARE", "1")});
+    added.insert(added.end(), {with_variable("DISPLAY", ""), with_variable("WAYLAND_DISPLAY", ""),
+                               with_variable("LIBGL_ALWAYS_SOFTWARE", "1")});
   }
   std::vector<std::string> all = added;
   for (char** entry = environ; *entry != nullptr; ++entry) {
