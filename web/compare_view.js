@@ -99,6 +99,12 @@ export class CompareView {
     Object.assign(this.#state, state);
   }
 
+  /** Marks a pixel of the pictures, null none. */
+  mark(pixel) {
+    this.#painter.marked = pixel;
+    this.#draw();
+  }
+
   /** Changes the state, draws it and tells. */
   change(state) {
     Object.assign(this.#state, state);

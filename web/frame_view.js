@@ -1,31 +1,13 @@
 // A frame of a capture: its draws as a tree, by material, beside its picture. A draw that is chosen is highlighted in the picture,
 // and a click in the picture chooses the draw that is seen there.
-import {get} from './api.js';
+import {getInTurn} from './api.js';
 import {announce, h, replace, setAttribute} from './dom.js';
 import {bytes, count} from './format.js';
 
 const mostDraws = 3000;  // elements of the tree; what is beyond is counted
 
-const wait = 700;  // ms until the service is asked again that draws something for someone else
-
-let last = Promise.resolve();
-
-/** A frame as the service draws it at `size`: one at a time, in the order in which they are asked for. */
-export function frameOf(hash, frame, [width, height]) {
-  const answer = async () => {
-    for (;;) {
-      try {
-        return await get(`/api/captures/${hash}/frame?frame=${frame}&width=${width}&height=${height}`);
-      } catch (error) {
-        if (error.status !== 503) throw error;
-      }
-      await new Promise((resolve) => setTimeout(resolve, wait));
-    }
-  };
-  const mine = last.then(answer);
-  last = mine.catch(() => {});
-  return mine;
-}
+/** A frame as the service draws it at `size`; null when it is not `wanted()` any more. */
+export const frameOf = (hash, frame, [width, height], wanted) => getInTurn(`/api/captures/${hash}/frame?frame=${frame}&width=${width}&height=${height}`, wanted);
 
 /** The picture of a view that the service made, decoded. */
 export async function pictureOf(view) {
@@ -93,7 +75,8 @@ export class FrameView {
     this.#chosen = null;
     replace(this.element, h('p.quiet', {role: 'status'}, `Frame ${frame} is being drawn …`), h('div.skeleton', {}));
     try {
-      const view = await frameOf(this.#hash, frame, this.#size);
+      const view = await frameOf(this.#hash, frame, this.#size, () => mine === this.#turn);
+      if (!view) return;
       const picture = await pictureOf(view);
       if (mine !== this.#turn) return;
       [this.#view, this.#picture, this.#draws] = [view, picture, drawsOf(view)];

@@ -508,6 +508,98 @@ const tests = [
     assert.deepEqual(await labels(), before.labels);
   }],
 
+  // One pixel's story ---------------------------------------------------------------------------------------------
+  ["a pixel's story: samples, fragments with masks, steps, what was kept, lit and resolved, beside msaa and the reference", async () => {
+    await openRun('#/runs/1?row=3&layers=*:image,1:image,*:reference&mode=side&frame=4');
+    await inSight();
+    service.busy = 1;  // the service tells somebody else's first
+    const at = await place(60, 30, 1);
+    await page.mouse.click(at.x, at.y);
+    const story = page.locator('.pixel-story');
+    await story.locator('.story').nth(2).waitFor();
+    browser.forgive('503');
+    await awaitParameter('pixel', '60,30,1,4');
+    const {technique, x, y, frame, samples, point_lights: lights} = service.stories.at(-1);
+    assert.deepEqual([technique, x, y, frame, samples, lights], ['msaa:samples=8', '60', '30', '4', '4', '5'], 'of the layer that was clicked');
+    const cells = (caption, article = 0) => story.locator('.story').nth(article).locator('table', {has: page.locator('caption', {hasText: caption})}).locator('tbody tr:not([hidden])')
+      .evaluateAll((lines) => lines.map((line) => [...line.children].map((cell) => cell.innerText.trim())));
+    // What came out of all three beside each other.
+    const glance = await story.locator('.glance tbody tr').allInnerTexts();
+    assert.match(glance[0], /msaa\s+0\.500 0\.500 0\.500\s+0\.2500 0\.2500 0\.2500\s+1\s+mean of 4 samples: 3 of what is lit, 1 of the sky/);
+    assert.match(glance[2], /reference\s+0\.600 0\.200 0\.100.*mean of 8 samples/);
+    assert.equal(await story.locator('.glance .swatch').nth(2).evaluate((swatch) => swatch.style.background), 'rgb(153, 51, 26)');
+    // Each sample with its fragment, triangle, draw, material and depth.
+    const leaf = (number) => `draw 3, instance 0, triangle ${17 + number}, <b>leaf</b> (material 1)${number === 9 ? ', back face' : ''}`;
+    assert.deepEqual(await cells('Samples'), [['0', '0.125 -0.375', '0', leaf(0), '0.250000'], ['1', '-0.375 -0.125', '0', leaf(0), '0.250000'], ['2', '0.375 0.125', '9', leaf(9), '0.500000'], ['3', '-0.125 0.375', 'sky', '', '']]);
+    assert.equal(await story.locator('.pattern').first().locator('circle').count(), 4);
+    assert.equal(await story.locator('b', {hasText: 'leaf'}).count(), 0, "a material's name is text");
+    // Fragments in order with masks; those of which nothing is left are folded, and open.
+    const shown = await cells('Fragments');
+    assert.deepEqual(shown.map((row) => row[0]), ['0', '5 fragments (1 to 5): alpha leaves no sample of 4, 1 behind what came before', '9']);
+    assert.deepEqual(shown[2].slice(1, 5), [leaf(9), '0xf', '0x4', '0x4']);
+    assert.equal(await story.locator('.mask-picture[aria-label="1 of 4 samples: 2"]').first().isVisible(), true);
+    await story.getByRole('button', {name: /^5 fragments \(1 to 5\): alpha/}).click();
+    assert.deepEqual((await cells('Fragments')).map((row) => row[0]).filter((text) => text.length === 1), ['0', '1', '2', '3', '4', '5', '9']);
+    await story.getByText('1 more reach the pixel and cover none of its samples').waitFor();
+    // Steps, what was kept, lit and resolved.
+    assert.deepEqual((await cells('What was done')).map((row) => row.at(-1)), ['stored as surface 0', '5 fragments (1 to 5) dropped: alpha leaves no sample; dropped: behind',
+      'merged into surface 0, against the parameters: depths 1 to 2 apart from its 3 to 4']);
+    assert.equal(await story.locator('strong.against').innerText(), 'against the parameters');
+    assert.deepEqual(await cells('Kept'), [['0', '0x7', '3', '1.0000 to 4.0000', '0.00 0.00 1.00', '0.50 0.25 0.13', '0.80', '0.50', '1.000 0.000 0.000']]);
+    assert.deepEqual(await cells('Lighting'), [['0', '0x7', '3', '0.5000 0.2500 0.1250']]);
+    assert.deepEqual((await cells('Lighting', 1)).map((row) => row.slice(0, 2)), [['0', '0x1'], ['1', '0x2'], ['2', '0x4']]);
+    await story.locator('.story').nth(1).getByText('The same fragments came as to msaa.').waitFor();
+    assert.match(await story.locator('.story').first().innerText(), /Resolve: the mean of 4 samples.*Maps here: merges 1, order errors 0/s);
+    assert.deepEqual(await cells('Shading samples', 2), [[leaf(9), '3', '1', '0.4000 0.2000 0.1000'], [leaf(0), '2', '1', '0.4000 0.2000 0.1000'], ['sky', '3', '', '']]);
+    await browser.shot('story');
+  }],
+
+  ['the pixel is marked, its neighbours are one key away, and the story is there as JSON', async () => {
+    const story = page.locator('.pixel-story');
+    await press('f', '1', '0');
+    await inSight();
+    await addressed();
+    const white = async (x, y) => page.locator('.view-canvas').evaluate((canvas, point) => {
+      const box = canvas.getBoundingClientRect();
+      const [px, py] = [(point.x - box.left) * canvas.width / box.width, (point.y - box.top) * canvas.height / box.height];
+      const {data} = canvas.getContext('2d').getImageData(Math.round(px) - 9, Math.round(py) - 9, 19, 19);
+      return Array.from({length: 361}, (_, i) => data[4 * i] === 255 && data[4 * i + 1] === 255 && data[4 * i + 2] === 255).filter(Boolean).length;
+    }, await place(x, y));
+    assert.ok(await white(60, 30) > 20, 'a frame around the pixel');
+    await story.getByRole('button', {name: 'The pixel to the right'}).focus();
+    await page.keyboard.press('Enter');
+    await awaitParameter('pixel', '61,30,1,4');
+    await story.getByRole('heading', {name: 'Pixel 61, 30 of frame 4'}).waitFor();
+    await page.waitForFunction(() => !document.querySelector('.pixel-story').ariaBusy);
+    assert.equal(await page.evaluate(() => document.activeElement.dataset.step), 'to the right', 'the key goes on');
+    assert.ok(await white(61, 30) > 20);
+    const download = page.waitForEvent('download');
+    await story.getByRole('button', {name: 'JSON of the story'}).click();
+    const file = await download;
+    assert.equal(file.suggestedFilename(), 'pixel-61-30-frame-4.json');
+    const {pixel, stories} = JSON.parse(readFileSync(await file.path(), 'utf8'));
+    assert.deepEqual([pixel, stories.length], [[61, 30], 2]);
+    for (const theme of ['dark', 'light']) {
+      await page.evaluate((value) => (document.documentElement.dataset.theme = value), theme);
+      assert.deepEqual(await browser.violations(), [], `a story, ${theme}`);
+    }
+    const wide = page.viewportSize();
+    await page.setViewportSize({width: 390, height: 844});
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'no sideways scrolling on a phone');
+    assert.deepEqual(await browser.violations(), [], 'a story on a phone');
+    await browser.shot('story-phone');
+    await page.setViewportSize(wide);
+    await page.evaluate(() => delete document.documentElement.dataset.theme);
+    service.missing = true;
+    await story.getByRole('button', {name: 'The pixel above'}).click();
+    await story.locator('.problem', {hasText: 'no capture of this content'}).waitFor();
+    service.missing = false;
+    browser.forgive('404');
+    await story.getByRole('button', {name: 'Close'}).click();
+    await awaitParameter('pixel', null);
+    assert.equal(await white(61, 30), 0, 'no mark without a story');
+  }],
+
   // Report --------------------------------------------------------------------------------------------------------
   ['the address restores the view whole', async () => {
     await openRun('#/runs/1');

@@ -4,6 +4,7 @@ import {createServer} from 'node:http';
 import {existsSync, readFileSync} from 'node:fs';
 import {extname, join} from 'node:path';
 import {deflateSync, crc32} from 'node:zlib';
+import {madeUpStory} from './made_up_story.mjs';
 
 const web = join(import.meta.dirname, '../../web');
 const media = {'.html': 'text/html; charset=utf-8', '.css': 'text/css; charset=utf-8', '.js': 'text/javascript; charset=utf-8', '.svg': 'image/svg+xml'};
@@ -118,6 +119,9 @@ export class MadeUpService {
     this.late = null;      // {after, until}: of the results of a run, all but so many wait for that
     this.broken = new Set(); // roles whose blobs are missing
     this.requests = [];
+    this.stories = [];       // what stories were asked for: {technique, x, y, …} as texts
+    this.busy = 0;           // so many of them are refused: the service tells another one
+    this.missing = false;    // whether there is no such capture
     this.streams = new Set();
     this.files = new Map();
   }
@@ -162,7 +166,7 @@ export class MadeUpService {
     const {frames, rows, width, height, status = 'done', reason = ''} = this.runs[id];
     const expected = frames * rows;
     return {id, status, reason, capture: {hash: 'c'.repeat(32), name: 'made-up.spcap', title: 'Made up'}, created_utc: `2025-01-0${id}T10:00:00Z`, started_utc: `2025-01-0${id}T10:00:00Z`, finished_utc: null,
-      request: {capture: 'c'.repeat(32), techniques: this.techniques(id), samples: 4, frames: [0, frames - 1], width: 0, height: 0, repeat: 3, reference_samples: 64},
+      request: {capture: 'c'.repeat(32), techniques: this.techniques(id), samples: 4, frames: [0, frames - 1], width: 0, height: 0, repeat: 3, reference_samples: 64, point_lights: 5},
       head: {driver: 'made up', driver_version: '1', device: 'none', cpu_model: 'none', build: 'test', width, height, point_lights: 2, triangles_first_frame: 12, features: ['textures'], wall_s: 10, outside_gpu_s: 4},
       stored_results: status === 'done' ? expected : 0, expected_results: expected, progress: null};
   }
@@ -190,7 +194,7 @@ export class MadeUpService {
   }
 
   async #answer(request, response) {
-    const {pathname: path} = new URL(request.url, this.url);
+    const {pathname: path, searchParams} = new URL(request.url, this.url);
     this.requests.push(path);
     response.setHeader('Content-Security-Policy', policy);
     response.setHeader('X-Content-Type-Options', 'nosniff');
@@ -212,7 +216,7 @@ export class MadeUpService {
     }
     const one = /^\/api\/runs\/(\d+)(\/.*)?$/.exec(path);
     if (one) return this.runs[one[1]] ? this.#answerRun(Number(one[1]), one[2] ?? '', {json, missing, response}) : missing();
-    if (/^\/api\/captures\/c{32}\/pixel$/.test(path)) return json({stories: [], reference: null});
+    if (/^\/api\/captures\/c{32}\/pixel$/.test(path)) return this.missing ? missing() : this.#tell(Object.fromEntries(searchParams), {send, json});
     const known = {
       '/api/health': {status: 'ok', version: '0', captures: 1, runs: 2, queued: 0, running: 0, upload_limit_bytes: 1, free_bytes: 1},
       '/api/caller': {token_required: false, name: null, right: 'admin', expires_utc: null, quota_bytes: null, uploaded_bytes: 0},
@@ -222,6 +226,16 @@ export class MadeUpService {
       '/api/nights': {nights: [], next_before: null}, '/api/baselines': {baselines: []},
     }[path];
     return known ? json(known) : missing();
+  }
+
+  #tell(asked, {send, json}) {
+    this.stories.push(asked);
+    if (this.busy > 0) {
+      --this.busy;
+      return send(503, 'application/json', JSON.stringify({error: {status: 503, what: 'the story is not told', why: 'another is being told', where: ''}}));
+    }
+    const [technique, ...parameters] = asked.technique.split(':');
+    return json(madeUpStory({technique, parameters: Object.fromEntries(parameters.map((text) => text.split('='))), frame: Number(asked.frame), x: Number(asked.x), y: Number(asked.y)}));
   }
 
   palettes = {magma: ['#000000', '#800080', '#ffff80'], viridis: ['#000080', '#008080', '#ffff00']};

@@ -343,7 +343,7 @@ const tests = [
     await counted(page.locator('.pixel-story b'), 0, 'a material\'s name is text');
     if (service.fakeWorker) {
       // What an aggregate has instead of an albedo, and a filter's steps with the luma it looked at.
-      assert.match(await page.locator('.pixel-story .story', {hasText: 'agaa'}).innerText(), /Kept\s+slot\s+covers\s+weight\s+depth\s+normal\s+diffuse\s+reflectance.*0x3\s+2\s+0\.25/is);
+      assert.match(await page.locator('.pixel-story .story', {hasText: 'agaa'}).innerText(), /Kept\s+aggregate\s+covers\s+weight\s+reversed depth\s+normal\s+diffuse\s+reflectance.*0x3\s+2\s+0\.25/is);
       const filtered = page.locator('.pixel-story .story', {hasText: 'fxaa'});
       assert.match(await filtered.innerText(), /The filter.*luma\s+0\.5000 here\s+blend\s+0\.7500 of the pixel's <b>value<\/b>/is);
       assert.deepEqual(await filtered.locator('.luma span').allInnerTexts(), ['0.10', '0.20', '0.30', '0.40', '0.50', '0.60', '0.70', '0.80', '0.90']);
