@@ -5,6 +5,8 @@ import {announce, field, h} from './dom.js';
 import {FilmStrip} from './film_strip.js';
 import {bytes, count, when} from './format.js';
 import {FrameView} from './frame_view.js';
+import {setKeys} from './keys.js';
+import {printed, saveReport} from './report.js';
 import {runForm} from './run_form.js';
 import {runsTable} from './runs_page.js';
 import {ViewAddress} from './view_address.js';
@@ -68,8 +70,24 @@ function framesPanel(capture) {
     await show(shown.frame, shown);
     if (frames > 1) strip.fill();
   }}, h('summary', {}, 'Frames and draws'), frames > 1 && [strip.element, field('Frame', number)], view.element);
-  return {element: panel, close: () => strip.close()};
+  const step = (by) => panel.open && shown.frame + by >= 0 && shown.frame + by < frames && show(shown.frame + by);
+  setKeys('This capture', [
+    {keys: ['d'], text: 'frames and draws, or not', act: () => (panel.open = !panel.open)},
+    {keys: ['['], text: 'frame before', act: () => step(-1)},
+    {keys: [']'], text: 'next frame', act: () => step(1)},
+    {keys: ['j'], text: 'next draw', act: () => panel.open && view.step(1)},
+    {keys: ['k'], text: 'draw before', act: () => panel.open && view.step(-1)},
+    {keys: ['0'], text: 'no draw', act: () => panel.open && view.step(0)},
+    {keys: ['y'], text: 'copy the address of this view', act: () => address.copy()},
+  ]);
+  return {element: panel, address, close: () => {
+    address.write();
+    strip.close();
+    setKeys('This capture');
+  }};
 }
+
+const reportTitles = {needs: 'What the scene needs', notices: 'Notices', runs: 'Runs'};
 
 export async function capturePage(hash) {
   const [capture, registry, limitTable, {runs}] = await Promise.all([
@@ -106,7 +124,8 @@ export async function capturePage(hash) {
   const frames = capture.frame_count > 0 ? framesPanel(capture) : null;
   const element = h('section', {},
     h('p.crumbs', {}, h('a', {href: '#/'}, 'Captures')),
-    h('h1', {}, title),
+    h('div.section-head.first', {}, h('h1', {}, title), h('span.spacer', {}),
+      frames && h('button', {type: 'button', onclick: () => frames.address.copy()}, 'Copy address'), h('button', {type: 'button', onclick: () => report()}, 'Report')),
     h('div.capture-head', {}, thumbnail(capture),
       h('div', {}, h('dl.facts.wide', {}, facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))),
         featureTags(capture.features), tagForm,
@@ -116,6 +135,14 @@ export async function capturePage(hash) {
     h('h2', {}, 'New run'),
     capture.frame_count > 0 ? runForm(capture, registry, limitTable) : h('p', {}, 'This capture has no frames.'),
     h('h2', {}, 'Runs'),
-    runs.length > 0 ? runsTable(runs, registry) : h('p.quiet', {}, 'None yet.'));
-  return {title, element, close: () => frames?.close()};
+    runs.length > 0 ? h('div.runs', {}, runsTable(runs, registry)) : h('p.quiet', {}, 'None yet.'));
+  const report = () => {
+    frames?.address.write();
+    saveReport(`capture-${hash.slice(0, 8)}`, {title, address: location.href, facts, parts: [...element.querySelectorAll('.capture-head > .thumbnail, .frames-panel[open] .frame-view, .needs, .notices, .runs')].map((part) => ({title: reportTitles[part.classList[0]], html: printed(part)}))});
+  };
+  setKeys('Report', [{keys: ['r'], text: 'report of what is on the screen', act: report}]);
+  return {title, element, close: () => {
+    frames?.close();
+    setKeys('Report');
+  }};
 }

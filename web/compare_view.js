@@ -112,6 +112,11 @@ export class CompareView {
     this.#refresh();
   }
 
+  /** Legends, the box's figures and the worst places, which have children while they are shown. */
+  get panels() {
+    return [this.#controls.legends, this.#boxPanel.element, this.#worst.element];
+  }
+
   /** What is on the screen as a picture of its own, for reports. */
   pictureUrl() {
     return this.#painter.pictureUrl();

@@ -88,6 +88,17 @@ export class FrameView {
     announce(`Frame ${frame} is shown`);
   }
 
+  /** Chooses the draw after the chosen one, or before it, in submission order, of those that are seen; 0: none. */
+  step(by) {
+    if (!this.#view) return;
+    if (by === 0) return this.#choose(null);
+    const seen = this.#view.draws.filter(({pixels}) => pixels > 0).map(({draw}) => draw);
+    if (seen.length === 0) return;
+    const now = this.#chosen ? [...this.#chosen] : [];
+    const at = by > 0 ? seen.findIndex((draw) => draw > Math.max(-1, ...now)) : seen.findLastIndex((draw) => draw < (now.length > 0 ? Math.min(...now) : Infinity));
+    this.#choose([seen[at >= 0 ? at : by > 0 ? 0 : seen.length - 1]]);
+  }
+
   #build({draw, material}) {
     const {draws, frame, size: [width, height]} = this.#view;
     Object.assign(this.#canvas, {width, height});

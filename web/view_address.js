@@ -1,5 +1,7 @@
 // What is on the screen, in the address: "#/runs/7?frame=3&mode=side". Such an address restores it whole.
 
+import {announce} from './dom.js';
+
 const [path, query] = [() => location.hash.split('?')[0], () => location.hash.split('?')[1] ?? ''];
 
 export class ViewAddress {
@@ -29,6 +31,17 @@ export class ViewAddress {
     // Browsers take few changes of the address a second.
     this.#timer ||= setTimeout(() => this.write(), 150);
     document.body.dataset.address = 'due';  // for tests
+  }
+
+  /** Puts it on the clipboard. */
+  async copy() {
+    this.write();
+    try {
+      await navigator.clipboard.writeText(location.href);
+      announce('The address of this view is copied');
+    } catch {
+      announce('The address bar has the address of this view');
+    }
   }
 
   write() {

@@ -14,6 +14,7 @@ const browser = new Browser(options.screenshots);
 const [width, height, frames, rows] = [160, 90, 12, 4];
 const service = new MadeUpService({1: {width, height, frames, rows}, 2: {width, height, frames, rows: 3}, 3: {width, height, frames: 2, rows: 2, status: 'running'},
   4: {width, height, frames: 1, rows: 2, status: 'failed', reason: 'the driver lost the device'}});
+service.nights = {1: {lights: 2}, 2: {lights: 9}};
 let page;
 
 const view = () => page.locator('.view');
@@ -600,6 +601,82 @@ const tests = [
     assert.equal(await white(61, 30), 0, 'no mark without a story');
   }],
 
+  // Nights ----------------------------------------------------------------------------------------------------------
+  ["a night's cells are walked by keys; one's frame, layers, zoom, box and pixel are in its address, which restores them", async () => {
+    await open('#/nights/2');
+    await page.locator('.cell.failed').waitFor();
+    const pressed = () => page.locator('.cell[aria-pressed="true"]').getAttribute('aria-label');
+    await page.keyboard.press('a');
+    await page.getByRole('heading', {name: 'made up, msaa:samples=8'}).waitFor();
+    assert.equal(await pressed(), 'made up, msaa:samples=8: failed');
+    await page.keyboard.press('j');
+    await page.getByRole('heading', {name: 'made up, streaming:samples=8'}).waitFor();
+    await page.getByText('It was not replayed.').waitFor();
+    await page.keyboard.press('k');
+    await page.getByRole('heading', {name: 'made up, msaa:samples=8'}).waitFor();
+    await awaitParameter('cell', '21');
+    assert.equal(await page.getByLabel('frame', {exact: true}).inputValue(), '1', 'the first frame that differs');
+    await page.locator('.view[data-shown]').waitFor();
+    await page.getByLabel('and of').selectOption('1');
+    await page.getByRole('option', {name: '3: night 1'}).first().waitFor({state: 'attached'});
+    await inSight();
+    await page.locator('.view-canvas').focus();
+    await press('3', 'z', 'z', 'x');
+    await inSight();
+    const at = await place(80, 44);
+    await page.mouse.click(at.x, at.y);
+    await page.locator('.pixel-story .story').nth(2).waitFor();
+    const {technique, frame, width: w, point_lights: lights} = service.stories.at(-1);
+    assert.deepEqual([technique, frame, w, lights], ['msaa:samples=8', '1', '160', '9'], "of tonight's technique, with the night's lights");
+    await addressed();
+    const state = () => page.evaluate(() => ({keys: document.querySelector('.view').dataset.keys, scale: document.querySelector('.scale').innerText, label: document.querySelector('.view-label').innerText,
+      cell: document.querySelector('.cell[aria-pressed="true"]').dataset.cell, box: document.querySelector('.box-panel h3')?.innerText, story: document.querySelector('.pixel-story h2')?.innerText, gates: document.querySelector('.gates').innerText}));
+    await page.locator('.box-panel h3').waitFor();
+    const [before, address] = [await state(), page.url()];
+    assert.match(before.keys, /^night 1:image$/);
+    assert.match(before.story, /of frame 1$/);
+    await open(address.slice(service.url.length + 1));
+    await page.locator('.box-panel h3').waitFor();
+    await page.locator('.pixel-story .story').nth(2).waitFor();
+    await settled();
+    assert.deepEqual(await state(), before);
+    await addressed();
+    assert.equal(page.url(), address);
+    await browser.shot('night-cell');
+    for (const theme of ['dark', 'light']) {
+      await page.evaluate((value) => (document.documentElement.dataset.theme = value), theme);
+      assert.deepEqual(await browser.violations(), [], `a night, ${theme}`);
+    }
+    await page.evaluate(() => delete document.documentElement.dataset.theme);
+  }],
+
+  ["a night's report has its grid, the cell with its pictures, and the story", async () => {
+    const download = page.waitForEvent('download');
+    await page.keyboard.press('r');
+    const path = join(tmpdir(), `subpixel-night-${process.pid}.html`);
+    await (await download).saveAs(path);
+    const other = await browser.context.newPage();
+    const asked = [];
+    other.on('request', (request) => asked.push(request.url()));
+    await other.goto(`file://${path}`);
+    assert.deepEqual(asked.filter((url) => !url.startsWith('file:') && !url.startsWith('data:')), []);
+    const text = await other.locator('body').innerText();
+    for (const words of ['Night 2 of nightly: failed', 'made up, msaa:samples=8: failed', '<i>failed</i>', 'Box at', 'Pixel 80, 44 of frame 1', 'merged into surface 0, against the parameters']) assert.ok(text.includes(words), words);
+    assert.deepEqual(await other.locator('figure img').evaluateAll((images) => images.map((image) => image.naturalWidth > 100)), [true, true, true, true], 'baseline, tonight, difference and the view');
+    assert.equal(await other.locator('button, input, select, script, [href^="#"]').count(), 0, 'nothing to press');
+    if (options.screenshots) await other.screenshot({path: join(options.screenshots, 'night-report.png'), fullPage: true});
+    await other.close();
+    // A closed cell's pixel goes with it, and keys of the night with the night.
+    await page.keyboard.press('[');
+    await awaitParameter('pixel', null);
+    await awaitParameter('frame', '0');
+    await page.keyboard.press('i');
+    await page.getByRole('heading', {name: 'Nights', exact: true}).waitFor();
+    await page.keyboard.press('?');
+    assert.doesNotMatch(await page.getByRole('dialog').innerText(), /next cell/);
+    await page.keyboard.press('Escape');
+  }],
+
   // Report --------------------------------------------------------------------------------------------------------
   ['the address restores the view whole', async () => {
     await openRun('#/runs/1');
@@ -635,6 +712,12 @@ const tests = [
   }],
 
   ['one click writes a page by itself, without network', async () => {
+    await open(`${page.url().slice(service.url.length + 1).replace(/&pixel=[^&]*/, '')}&pixel=1,2,0,0`);
+    await page.locator('.pixel-story .story').first().waitFor();
+    await page.locator('.plot .point').first().waitFor();
+    await page.locator('.box-panel h3').waitFor();
+    await press('w', 'v');
+    await page.locator('.place').first().waitFor();
     const download = page.waitForEvent('download');
     await page.getByRole('button', {name: 'Report'}).click();
     const path = join(tmpdir(), `subpixel-report-${process.pid}.html`);
@@ -644,10 +727,14 @@ const tests = [
     other.on('request', (request) => asked.push(request.url()));
     await other.goto(`file://${path}`);
     assert.deepEqual(asked.filter((url) => !url.startsWith('file:') && !url.startsWith('data:')), []);
-    assert.ok(await other.locator('img').evaluate((element) => element.naturalWidth > 500));
-    assert.equal(await other.locator('svg').count(), 2);
-    assert.equal(await other.locator('tbody tr').count(), rows + 3, 'rows and the titles of their groups');
-    assert.equal(await other.locator('a').getAttribute('href'), page.url());
+    assert.ok(await other.locator('figure img').first().evaluate((element) => element.naturalWidth > 500));
+    assert.equal(await other.locator('svg[viewBox="0 0 900 420"], svg[aria-label$="over frames"]').count(), 2);
+    const text = await other.locator('body').innerText();
+    for (const words of ['Box at', 'Worst places of', 'Pixel 1, 2 of frame 0', 'Resolve: the mean of 4 samples']) assert.ok(text.includes(words), words);
+    assert.equal(await other.locator('.worst img').evaluateAll((images) => images.every((image) => image.naturalWidth === 72)), true);
+    assert.equal(await other.locator('button, input, select, script').count(), 0);
+    assert.equal(await other.locator('.figures tbody tr').count(), rows + 3, 'rows and the titles of their groups');
+    assert.equal(await other.locator('a').first().getAttribute('href'), page.url());
     if (options.screenshots) await other.screenshot({path: join(options.screenshots, 'report.png'), fullPage: true});
     await other.close();
     const markdown = page.waitForEvent('download');

@@ -214,6 +214,9 @@ export class MadeUpService {
       const found = this.#blob(blob[1]);
       return found ? send(200, found.type, found.body, 'private, max-age=31536000, immutable') : missing();
     }
+    const night = /^\/api\/nights\/(\d+)(?:\/cells\/(\d+))?$/.exec(path);
+    if (night) return Number(night[1]) in this.nights ? json(night[2] ? this.nightCell(Number(night[1]), Number(night[2])) : this.night(Number(night[1]))) : missing();
+    if (path === `/api/captures/${'c'.repeat(32)}`) return this.missing ? missing() : json({summary: {frames: [{point_lights: 2}]}});
     const one = /^\/api\/runs\/(\d+)(\/.*)?$/.exec(path);
     if (one) return this.runs[one[1]] ? this.#answerRun(Number(one[1]), one[2] ?? '', {json, missing, response}) : missing();
     if (/^\/api\/captures\/c{32}\/pixel$/.test(path)) return this.missing ? missing() : this.#tell(Object.fromEntries(searchParams), {send, json});
@@ -223,9 +226,26 @@ export class MadeUpService {
       '/api/techniques': {techniques: [...new Set(techniqueNames)].map((name) => ({name, title: name, doc: '', parameters: [], maps: []}))},
       '/api/palettes': {palettes: this.palettes}, '/api/limits': {limits: []}, '/api/captures': {captures: [], total: 0},
       '/api/runs': {runs: Object.keys(this.runs).map((id) => this.run(Number(id))).reverse(), next_before: null},
-      '/api/nights': {nights: [], next_before: null}, '/api/baselines': {baselines: []},
+      '/api/nights': {nights: Object.keys(this.nights).map((id) => this.night(Number(id))).reverse(), next_before: null}, '/api/baselines': {baselines: []},
     }[path];
     return known ? json(known) : missing();
+  }
+
+  nights = {};  // {number: {lights}}
+
+  /** A night of one capture by three techniques: `msaa` failed, `streaming` is missing. Night n shows what run n has, compared with run 1. */
+  night(id) {
+    const cell = (at, technique, status) => ({id: 10 * id + at, capture: 'made up', technique, status, gates: [{gate: 'images', outcome: status === 'passed' ? 'passed' : 'failed', detail: `<i>${status}</i>`}]});
+    return {id, name: 'nightly', status: 'failed', reason: '', started_utc: `2025-01-0${id}T01:00:00Z`, finished_utc: `2025-01-0${id}T01:10:00Z`, build: 'test', commit: '', baseline: 'nightly', baseline_night: 1, counts: {passed: 1, failed: 1, missing: 1, new: 0},
+      captures: [{name: 'made up', source: 'made-up.spcap', hash: 'c'.repeat(32), problem: '', head: {...this.run(1).head, point_lights: this.nights[id].lights}}],
+      cells: [cell(0, 'noaa:samples=1', 'passed'), cell(1, 'msaa:samples=8', 'failed'), cell(2, 'streaming:samples=8', 'missing')]};
+  }
+
+  nightCell(night, id) {
+    const cell = this.night(night).cells.find((candidate) => candidate.id === id);
+    const row = id % 10 === 2 ? 3 : id % 10;
+    return {...cell, frames: [0, 1].map((frame) => ({frame, baseline: this.result(1, row, frame), tonight: cell.status === 'missing' ? null : this.result(night, row, frame),
+      difference: cell.status === 'failed' && frame === 1 ? hashOf(1, row, frame, 'error') : null}))};
   }
 
   #tell(asked, {send, json}) {
