@@ -37,9 +37,10 @@ const needs = {
   'unlit': 'materials are shown as they are, without light',
 };
 
-function needList(features) {
+// `reasons`: which materials, draws or frames need each; captures stored before there were any have none.
+function needList(features, reasons = {}) {
   if (features.length === 0) return [];
-  return [h('h2', {}, 'What the scene needs'), h('dl.needs', {}, features.map((feature) => h('div', {}, h('dt', {}, feature), h('dd', {}, needs[feature] ?? ''))))];
+  return [h('h2', {}, 'What the scene needs'), h('dl.needs', {}, features.map((feature) => h('div', {}, h('dt', {}, feature), h('dd', {}, needs[feature] ?? '', reasons[feature] && h('div.quiet', {}, `because of ${reasons[feature]}`)))))];
 }
 
 // Frames and draws are asked for when they are opened: the service replays the frame for them. What is open is in the address.
@@ -131,7 +132,7 @@ export async function capturePage(hash) {
         featureTags(capture.features), tagForm,
         h('p.actions', {}, h('a.button', {href: `/api/captures/${hash}/file`, download: capture.name}, 'Download'), deletion),
         problem)),
-    frames?.element, needList(capture.features), noticeList(capture.summary.notices ?? []),
+    frames?.element, needList(capture.features, capture.summary.feature_reasons), noticeList(capture.summary.notices ?? []),
     h('h2', {}, 'New run'),
     capture.frame_count > 0 ? runForm(capture, registry, limitTable) : h('p', {}, 'This capture has no frames.'),
     h('h2', {}, 'Runs'),

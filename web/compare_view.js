@@ -23,7 +23,7 @@ export class CompareView {
   #worst = new WorstPlaces((x, y) => {
     this.goTo(x + 0.5, y + 0.5, 16);
     this.#painter.canvas.scrollIntoView({block: 'nearest'});
-  });
+  }, () => this.toggleWorst());
   #message = h('p.view-message', {role: 'status', hidden: true});
   #wipe = h('input', {type: 'range', min: 0, max: 1000, value: 500, 'aria-label': 'Position of the dividing line', oninput: () => this.setShare(this.#wipe.value / 1000)});
   #scaleText = h('span.quiet.scale', {});
@@ -157,6 +157,7 @@ export class CompareView {
     this.element.setAttribute('aria-busy', 'false');
     this.#read();
     this.#measureBox();
+    this.#worst.follow(this.#state, this.#layers);
     this.#readAhead();
   }
 
@@ -288,6 +289,8 @@ export class CompareView {
   }
 
   toggleWorst() {
-    this.#worst.toggle(this.#state, this.#layers);
+    this.#state.worst = !this.#state.worst;
+    this.#onChange(this.state);
+    this.#worst.follow(this.#state, this.#layers);
   }
 }

@@ -83,9 +83,9 @@ class RunPage {
     if (!measureOf(plot.x)) plot.x = 'total';
     if (!measureOf(plot.y)) plot.y = 'mse';
     this.#scatter = new Scatter(plot, name, {select: (row) => this.#setRow(row), change: ({x, y, logX, logY}) => address.set({across: x, upwards: y, logx: logX, logy: logY})});
-    const lines = {measure: address.text('lines', referenced ? 'mse' : 'total'), log: address.flag('loglines')};
+    const lines = {measure: address.text('lines', referenced ? 'mse' : 'total'), log: address.flag('loglines'), hidden: address.text('without').split('~').filter(Boolean)};
     if (!measureOf(lines.measure)) lines.measure = 'total';
-    this.#lines = new OverFrames(lines, name, {frame: (frame) => this.#setFrame(frame), change: ({measure, log}) => address.set({lines: measure, loglines: log})});
+    this.#lines = new OverFrames(lines, name, {frame: (frame) => this.#setFrame(frame), change: ({measure, log, hidden}) => address.set({lines: measure, loglines: log, without: hidden.join('~')})});
     this.#scatter.controls.append(h('a.button', {href: `/api/runs/${run.id}/points.csv`, download: `${name}-points.csv`}, 'Points as CSV'),
       h('a.button', {href: `/api/runs/${run.id}/points.md`, download: `${name}-points.md`}, 'Points as Markdown'));
   }

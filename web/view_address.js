@@ -57,7 +57,7 @@ export class ViewAddress {
 // The comparison's state by the names it has in the address.
 const numbers = {a: 'a', b: 'b', share: 'line', scale: 'zoom', cx: 'x', cy: 'y', gain: 'gain', exposure: 'ev', low: 'low', high: 'high'};
 const texts = {mode: 'mode', measure: 'measure', tone: 'tone', channel: 'channel', palette: 'colours'};
-const flags = {signed: 'signed', falseColour: 'false', log: 'log', magnify: 'magnifier'};
+const flags = {signed: 'signed', falseColour: 'false', log: 'log', magnify: 'magnifier', worst: 'worst'};
 const usual = {a: 0, b: 1, share: 0.5, scale: 0, gain: 4, exposure: 0, mode: 'wipe', measure: 'largest', tone: 'none', channel: 'all'};
 const boxParts = ['x', 'y', 'width', 'height'];
 

@@ -333,6 +333,26 @@ const tests = [
     assert.equal(await places.count(), 1, 'the wrong pixels lie in one square of 16');
     assert.match(await places.first().getAttribute('aria-label'), /x 40, y 20, 0\.2353/);
     await browser.shot('worst-places');
+    // Fifty at most, those of the largest sums.
+    const many = await page.evaluate(async () => {
+      const {worstPlaces} = await import('/pixel_math.js');
+      const values = new Float32Array(320 * 160).map((_, i) => (Math.floor(i / 320 / 16) * 20 + Math.floor((i % 320) / 16)) / 1000);
+      const found = worstPlaces(values, 320, 160);
+      return {sums: found.map(({sum}) => Math.round(sum)), last: found.at(-1)};
+    });
+    assert.equal(many.sums.length, 50);
+    assert.deepEqual(many.sums, Array.from({length: 50}, (_, i) => Math.round(256 * (199 - i) / 1000)));
+    assert.deepEqual([many.last.x, many.last.y], [160, 112]);
+    // They follow what is shown.
+    await press('k');
+    await page.getByRole('heading', {name: 'Worst places of msaa samples=8'}).waitFor();
+    assert.match(await places.first().getAttribute('aria-label'), /0\.1569$/);
+    await press('j');
+    await page.locator('.place[aria-label$="0.2353"]').waitFor();
+    const thumbnail = await places.first().locator('canvas').evaluate((canvas) => canvas.toDataURL());
+    await press(']');
+    await page.waitForFunction((before) => (document.querySelector('.place canvas')?.toDataURL() ?? before) !== before, thumbnail);
+    await press('[');
     await places.first().click();
     await awaitParameter('zoom', '16');
     near([Number(parameters().get('x')), Number(parameters().get('y'))], [40.5, 20.5], 0.01, 'centre');
@@ -380,6 +400,12 @@ const tests = [
     await page.getByLabel('group').selectOption('technique');
     assert.deepEqual(await page.locator('.group-title').allInnerTexts(), ['noaa', 'msaa', 'streaming']);
     await page.getByLabel('group').selectOption('');
+    // Time by pass, stacked on one scale, of all techniques.
+    await page.getByText('Time by pass').click();
+    const bars = await page.locator('.pass-bars > li').evaluateAll((list) => list.map((line) => [line.querySelector('.pass-title').innerText, ...[...line.querySelectorAll('.pass-bar span')].map((part) => Math.round(parseFloat(part.style.width)))]));
+    // Frame 0 takes 20, 21, 36 and 44 ms: 2 of set-up, 10 of shading, the rest geometry.
+    assert.deepEqual(bars, [['noaa samples=1 20.0 ms', 5, 18, 23], ['msaa samples=8 21.0 ms', 5, 20, 23], ['msaa samples=4 36.0 ms', 5, 55, 23], ['streaming samples=8 44.0 ms', 5, 73, 23]]);
+    await page.getByText('Time by pass').click();
   }],
 
   ['points select their row, the front and families are drawn, any measure against any other', async () => {
@@ -437,6 +463,15 @@ const tests = [
     await page.locator('.lines canvas').waitFor();
     await page.getByLabel('Measure over frames').selectOption('flicker');
     await page.locator('.lines[data-drawn="flicker"]').waitFor();
+    const drawn = () => page.getByRole('img', {name: 'A measure over the frames'}).locator('canvas').evaluate((canvas) => canvas.toDataURL());
+    const plots = new Set();
+    for (const measure of ['mse', 'flip', 'fitted', 'executions', 'total', 'flicker']) {
+      await page.getByLabel('Measure over frames').selectOption(measure);
+      await page.locator(`.lines[data-drawn="${measure}"]`).waitFor();
+      await page.waitForTimeout(50);
+      plots.add(await drawn());
+    }
+    assert.equal(plots.size, 6, 'each is another plot');
     await page.locator('.lines').scrollIntoViewIfNeeded();
     const box = await page.locator('.lines .u-over').boundingBox();
     await page.mouse.move(box.x + box.width - 3, box.y + box.height / 2);
@@ -615,7 +650,9 @@ const tests = [
     await page.keyboard.press('k');
     await page.getByRole('heading', {name: 'made up, msaa:samples=8'}).waitFor();
     await awaitParameter('cell', '21');
-    assert.equal(await page.getByLabel('frame', {exact: true}).inputValue(), '1', 'the first frame that differs');
+    assert.equal(await page.getByLabel('frame', {exact: true}).inputValue(), '0', 'the first frame that differs');
+    await page.keyboard.press(']');
+    await awaitParameter('frame', '1');
     await page.locator('.view[data-shown]').waitFor();
     await page.getByLabel('and of').selectOption('1');
     await page.getByRole('option', {name: '3: night 1'}).first().waitFor({state: 'attached'});
@@ -688,17 +725,23 @@ const tests = [
     const at = await place(60, 30);
     await page.mouse.click(at.x, at.y);  // of frame 0 and the first technique, whatever is chosen later
     await page.locator('h1').click();
-    await press(']', ']', 'd', 'g', 'z', 'z', 'x', 'a', 'k');
+    await press(']', ']', 'd', 'g', 'z', 'z', 'x', 'a', 'k', 'v');
+    await page.locator('.place').first().waitFor();
+    await page.locator('.series-key').nth(1).click();
     await settled();
     await addressed();
     const address = page.url();
     const state = () => page.evaluate(() => ({table: document.querySelector('.results').innerText, keys: document.querySelector('.view').dataset.keys, scale: document.querySelector('.scale').innerText,
-      frame: document.querySelector('.frame-number').innerText, story: document.querySelector('.pixel-story h2')?.innerText, box: document.querySelector('.box-panel h3')?.innerText, label: document.querySelector('.view-label').innerText}));
+      frame: document.querySelector('.frame-number').innerText, story: document.querySelector('.pixel-story h2')?.innerText, box: document.querySelector('.box-panel h3')?.innerText, label: document.querySelector('.view-label').innerText,
+      worst: document.querySelector('.worst-panel h3')?.innerText, lines: document.querySelector('.series-key[aria-pressed="false"]')?.innerText}));
     await page.locator('.box-panel h3').waitFor();
     const before = await state();
+    assert.ok(before.worst && before.lines === 'msaa samples=8', JSON.stringify(before));
     assert.ok(before.box && before.label.includes('×8') && before.frame === '2' && before.story === 'Pixel 60, 30 of frame 0', JSON.stringify(before));
     await open(address.slice(service.url.length + 1));
     await page.locator('.box-panel h3').waitFor();
+    await page.locator('.place').first().waitFor();
+    await page.locator('.series-key').nth(1).waitFor();
     await settled();
     await page.waitForFunction((table) => document.querySelector('.results').innerText === table, before.table);
     assert.deepEqual(await state(), before);
@@ -716,7 +759,7 @@ const tests = [
     await page.locator('.pixel-story .story').first().waitFor();
     await page.locator('.plot .point').first().waitFor();
     await page.locator('.box-panel h3').waitFor();
-    await press('w', 'v');
+    await press('w');
     await page.locator('.place').first().waitFor();
     const download = page.waitForEvent('download');
     await page.getByRole('button', {name: 'Report'}).click();
