@@ -30,7 +30,9 @@ int info(const std::string& path) {
                     {"height", fake.value("height", 36)},
                     {"triangles", 1234},
                     {"notices", fake.value("notices", json::array())},
-                    {"features", {"textures", "alpha test"}}}
+                    {"features", {"textures", "alpha test"}},
+                    {"feature_reasons",
+                     {{"textures", "2 of 2 materials: bark, leaf"}, {"alpha test", "1 of 2 materials: <b>leaf</b>"}}}}
                    .dump(2)
             << "\n";
   return 0;
