@@ -203,6 +203,7 @@ Results Replay::run() {
   std::error_code error;
   std::filesystem::create_directories(job_.out_dir, error);
   if (error) throw InputError("output folder", "can't be made: " + error.message(), job_.out_dir.string());
+  progress("device", 0, 1, fmt::format("{}, {}, {}", head_.device, head_.driver_version, head_.cpu_model));
   progress("load", 0, 1, capture_.metadata.title);
   gpu::require_ordered_access(device_);
   scene_ = std::make_unique<FrameScene>(device_, std::move(capture_), SceneOptions{options_.point_lights, 2048},

@@ -100,7 +100,8 @@ gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scen
   pass.shader = shader;
   pass.constants = {{CONSTANT_FEATURES, scene.features().bits},
                     {CONSTANT_SHADING_MODEL, options.shading_model},
-                    {REFERENCE_CONSTANT_TONE_MAP_SAMPLES, options.tone_map_samples ? 1u : 0u}};
+                    {REFERENCE_CONSTANT_TONE_MAP_SAMPLES, options.tone_map_samples ? 1u : 0u},
+                    {REFERENCE_CONSTANT_SHADE_ALL_SAMPLES, options.shade_all_samples ? 1u : 0u}};
   pass.bindings = bindings_of(scene, work);
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_SPOT_CONES, scene.spot_cones));
   pass.push = gpu::PushConstants(push_of(pass, scene, work));

@@ -30,7 +30,8 @@ struct ReferenceOptions {
   std::uint32_t samples = kDefaultReferenceSamples;  // visibility samples a pixel, by replay/results/limits.hpp, not 0
   std::uint32_t shading_model = 0;                   // SHADING_MODEL_ of shaders/include/interface.h
   PixelReference* story = nullptr;                   // filled for its pixel
-  bool tone_map_samples = false;  // the display image is the mean of tone-mapped samples, not the tone-mapped mean
+  bool shade_all_samples = false;  // a triangle at each sample that sees it, not once a turn: what the other tends to
+  bool tone_map_samples = false;   // the display image is the mean of tone-mapped samples, not the tone-mapped mean
 };
 
 struct ReferenceImage {

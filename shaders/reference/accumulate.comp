@@ -1,6 +1,6 @@
 // variants: = STORY=-DSTORY
 // Computes: one turn's colour of each pixel. Each triangle that some of the pixel's four samples see is shaded once, at the
-// place of one of them (another one each turn, so that over all turns shading points cover the pixel evenly).
+// place of one of them (another one each turn, so that over all turns shading points cover what is seen of it evenly).
 // Reads: the triangle seen by each sample, geometry, materials, textures, lights, shadow map.
 // Writes: adds to the sums, with Kahan's compensation; STORY, what one pixel was shaded by.
 #version 460
@@ -12,6 +12,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "reference/textures.glsl"
 
 layout(constant_id = REFERENCE_CONSTANT_TONE_MAP_SAMPLES) const uint TONE_MAP_SAMPLES = 0u;
+layout(constant_id = REFERENCE_CONSTANT_SHADE_ALL_SAMPLES) const uint SHADE_ALL_SAMPLES = 0u;
 layout(set = 0, binding = SAMPLED(REFERENCE_SLOT_SEEN)) uniform usampler2D visibility;
 #ifdef STORY
 layout(set = 0, binding = STORAGE(REFERENCE_SLOT_STORY), std430) buffer Story { ReferenceStory told; };
@@ -73,12 +74,14 @@ void main() {
   float sky_samples = float(4 - bitCount(remaining));
   vec3 radiance = frame.sky.rgb * sky_samples, display = vec3(0.0);
   if (TONE_MAP_SAMPLES != 0u) display = display_from_radiance(frame.sky.rgb) * sky_samples;
-  uint start = turn.number.x & 3u;
   for (int i = 0; i < 4 && remaining != 0u; ++i) {
-    uint first = (uint(findLSB((remaining | remaining << 4) >> start)) + start) & 3u;
+    uint ordered = 0u;
+    for (uint place = 0u; place < 4u; ++place) ordered |= (remaining >> sample_in_order(place) & 1u) << place;
+    uint first = sample_in_order(uint(findLSB(ordered)));
     uint number = first < 2u ? (first == 0u ? seen.x : seen.y) : (first == 2u ? seen.z : seen.w);
     uint same = remaining & ((seen.x == number ? 1u : 0u) | (seen.y == number ? 2u : 0u) |
                              (seen.z == number ? 4u : 0u) | (seen.w == number ? 8u : 0u));
+    if (SHADE_ALL_SAMPLES != 0u) same = 1u << first;
     remaining &= ~same;
     float count = float(bitCount(same));
     vec3 shaded = shade_at(number - 1u, vec2(pixel) + sample_place(first));

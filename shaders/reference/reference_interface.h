@@ -5,6 +5,7 @@
 #include "../include/interface.h"
 
 #define REFERENCE_CONSTANT_TONE_MAP_SAMPLES 7  // 1: also sum the display values of shading samples
+#define REFERENCE_CONSTANT_SHADE_ALL_SAMPLES 8  // 1: shade a triangle at each of a turn's samples that see it
 
 // Storage; materials, mappings and cones are where the frame has them.
 #define REFERENCE_SLOT_TURN 0
@@ -42,7 +43,7 @@ struct TextureLevel {
 // shifted by less than half a texel.
 struct TurnConstants {
   vec4 shift;    // x, y in pixels; z, w the same in clip space, for w 1
-  uvec4 number;  // x: number of the turn, y: turns in all
+  uvec4 number;  // x: number of the turn, y: turns in all; z, w: which sample a triangle is shaded at (triangles.glsl)
 };
 
 // What one pixel was shaded by in a turn.

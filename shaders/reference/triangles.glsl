@@ -29,6 +29,15 @@ layout(set = 0, binding = STORAGE(FRAME_SLOT_UV_MAPPINGS), std430) readonly buff
 // Where sample `s` of this turn lies in its pixel: samples 0 1 over 2 3, each somewhere in its quarter.
 vec2 sample_place(uint s) { return 0.25 + 0.5 * vec2(s & 1u, s >> 1) - turn.shift.xy; }
 
+// Sample `place` of the turn's order: a triangle is shaded at the first one of it that sees it. Samples are two bits,
+// the order is number.z combined with 0 and 1, 2, 3 in one of three rotations. Over 12 turns whose number.z and w take
+// all pairs, each sample of any set is its first equally often.
+uint sample_in_order(uint place) {
+  uint rotated = place + turn.number.w;
+  uint other = place == 0u ? 0u : (rotated > 3u ? rotated - 3u : rotated);
+  return turn.number.z ^ other;
+}
+
 // Perspective-correct weights of a triangle's corners at a point, and the corners relative to it.
 struct Weights {
   vec3 value;       // not negative, sum 1

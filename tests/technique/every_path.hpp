@@ -71,7 +71,8 @@ inline void expect_image(const PathImage& path, std::uint32_t width, const Expec
       glm::dvec3 sum(0);
       double count = 0;
       for (std::uint32_t turn = 0; turn < path.turns.size(); ++turn) {
-        const glm::dvec2 place = glm::dvec2(sample_place(path.turns[turn], turn & 3));
+        const std::uint32_t sample = path.turns[turn].number.z;
+        const glm::dvec2 place = glm::dvec2(sample_place(path.turns[turn], sample));
         if (const auto here = expected(x - 0.5 + place.x, y - 0.5 + place.y)) {
           sum += *here;
           ++count;
