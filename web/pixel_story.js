@@ -76,7 +76,7 @@ const parameterText = ([name, value]) => `${name}=${typeof value === 'number' ? 
 
 // What came out, of all of them beside each other.
 function glance({stories, reference}) {
-  const of = (name, result, kept) => [h('b', {}, name), [swatch(result.display), vector(result.display)], vector(result.radiance, 4), result.executions ?? '–', kept];
+  const of = (name, result, kept) => [h('strong', {}, name), [swatch(result.display), vector(result.display)], vector(result.radiance, 4), result.executions ?? '–', kept];
   return h('div.glance', {}, table('What came out', ['technique', 'display', 'radiance', 'lighting executions', 'from'],
     [...stories.map((story) => of(story.technique, story.result, story.resolve.what.replace(/^the mean of /, 'mean of '))), ...(reference ? [of('reference', reference.result, `mean of ${reference.samples} samples`)] : [])]));
 }

@@ -114,7 +114,7 @@ const tests = [
   }],
 
   ['what the scene needs is told with what it means', async () => {
-    const needs = page.locator('.needs div');
+    const needs = page.locator('.needs > div');
     await counted(needs, service.fakeWorker ? 2 : 1);
     for (const text of await needs.allInnerTexts()) assert.match(text, /^[a-z -]+\n.{20,}\nbecause of \d+ of \d+ (materials|draws|frames)/i);
     if (service.fakeWorker) assert.match(await needs.last().innerText(), /because of 1 of 2 materials: <b>leaf<\/b>$/);
@@ -201,7 +201,7 @@ const tests = [
     };
     await expectParameters({frame: '2'});
     const last = page.locator('.draw-tree > details').last();
-    await last.locator('summary').click();
+    if (await last.getAttribute('open') === null) await last.locator('summary').click();
     const draw = last.locator('li .draw').first();
     const number = await draw.getAttribute('data-draws');
     await draw.click();

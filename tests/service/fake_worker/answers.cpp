@@ -156,7 +156,12 @@ int tell(const std::vector<std::string>& arguments) {
                     {"reference",
                      {{"samples", 4},
                       {"result", result},
-                      {"shadings", {{{"samples", 4}, {"triangle", triangle}, {"radiance", {0.5, 0.25, 0.125}}}}}}}}
+                      {"shadings",
+                       {{{"turn", 0},
+                         {"at", {0.125, -0.125}},
+                         {"samples", 4},
+                         {"triangle", triangle},
+                         {"radiance", {0.5, 0.25, 0.125}}}}}}}}
                    .dump(1)
             << "\n";
   return 0;
