@@ -43,35 +43,39 @@ float world_y(double pixel) {
 }
 
 TEST(ReferenceTurns, SamplesOfAllTurnsFillThePixelEvenly) {
-  for (const std::uint32_t turns : {1u, 16u, 128u}) {
-    const auto constants = turn_constants(turns, 640, 360);
-    int cells[8][8] = {};
-    for (const auto& turn : constants)
-      for (std::uint32_t s = 0; s < 4; ++s) {
-        const glm::vec2 p = sample_place(turn, s);
-        ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
-        ++cells[static_cast<int>(p.y * 8)][static_cast<int>(p.x * 8)];
-      }
-    if (turns < 16) continue;
-    for (const auto& row : cells)
-      for (const int count : row) EXPECT_NEAR(count, turns * 4 / 64.0, turns > 16 ? 2 : 1);
+  for (const std::uint32_t side : {2u, 4u}) {
+    for (const std::uint32_t turns : {1u, 16u, 20u, 128u}) {
+      const auto constants = turn_constants(turns, side, 640, 360);
+      int cells[8][8] = {};
+      for (const auto& turn : constants)
+        for (std::uint32_t s = 0; s < side * side; ++s) {
+          const glm::vec2 p = sample_place(turn, s);
+          ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
+          ++cells[static_cast<int>(p.y * 8)][static_cast<int>(p.x * 8)];
+        }
+      if (turns < 16) continue;
+      for (const auto& row : cells)
+        for (const int count : row) EXPECT_NEAR(count, turns * side * side / 64.0, turns > 16 ? 2 : 1);
+    }
   }
 }
 
 // Shading points of a pixel that one triangle fills: a rectangle of 1/turns of the pixel, cut by halves, has one each.
 TEST(ReferenceTurns, ShadingPointsFillThePixelEvenly) {
-  for (const std::uint32_t bits : {2u, 3u, 6u, 10u}) {
-    const std::uint32_t turns = 1u << bits;
-    const auto constants = turn_constants(turns, 640, 360);
-    for (std::uint32_t across = 0; across <= bits; ++across) {
-      const std::uint32_t columns = 1u << across, rows = turns / columns;
-      std::vector<int> cells(turns);
-      for (std::uint32_t i = 0; i < turns; ++i) {
-        const glm::vec2 p = sample_place(constants[i], shaded_sample(i, turns));
-        ++cells[static_cast<std::uint32_t>(p.y * static_cast<float>(rows)) * columns +
-                static_cast<std::uint32_t>(p.x * static_cast<float>(columns))];
+  for (const std::uint32_t side : {2u, 4u}) {
+    for (std::uint32_t bits = 2; bits <= (side == 4 ? 8 : 10); ++bits) {
+      const std::uint32_t turns = 1u << bits;
+      const auto constants = turn_constants(turns, side, 640, 360);
+      for (std::uint32_t across = 0; across <= bits; ++across) {
+        const std::uint32_t columns = 1u << across, rows = turns / columns;
+        std::vector<int> cells(turns);
+        for (const gpu_types::TurnConstants& turn : constants) {
+          const glm::vec2 p = sample_place(turn, shaded_sample(turn));
+          ++cells[static_cast<std::uint32_t>(p.y * static_cast<float>(rows)) * columns +
+                  static_cast<std::uint32_t>(p.x * static_cast<float>(columns))];
+        }
+        EXPECT_EQ(std::ranges::count(cells, 1), turns) << side << ", " << turns << " turns, " << columns << " columns";
       }
-      EXPECT_EQ(std::ranges::count(cells, 1), turns) << turns << " turns, " << columns << " columns";
     }
   }
 }
@@ -108,8 +112,8 @@ TEST(ReferenceImage, PartsOfPixelsAreShadedEvenly) {
     draw.colour = {add_buffer(capture, colours), capture::VertexFormat::float32x4, 0, 16};
     GpuScene scene(test_device(), capture, {});
     scene.set_frame(0, kSide, kSide);
-    const auto once = render_reference(test_device(), scene, {.samples = 1024});
-    const auto all = render_reference(test_device(), scene, {.samples = 1024, .shade_all_samples = true});
+    const auto once = render_reference(test_device(), scene, {.samples = 4096});
+    const auto all = render_reference(test_device(), scene, {.samples = 4096, .shade_all_samples = true});
     for (const auto& [x, y] : {std::pair{8u, 8u}, {9u, 8u}, {8u, 9u}, {9u, 9u}, {10u, 8u}, {10u, 9u}, {9u, 10u}}) {
       EXPECT_NEAR(red(once, x, y), red(all, x, y), 0.004)
           << "pixel " << x << " " << y << " before " << part.right << " " << part.below << " " << part.sum;
