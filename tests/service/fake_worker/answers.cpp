@@ -30,7 +30,9 @@ int info(const std::string& path) {
                     {"height", fake.value("height", 36)},
                     {"triangles", 1234},
                     {"notices", fake.value("notices", json::array())},
-                    {"features", {"textures", "alpha test"}}}
+                    {"features", {"textures", "alpha test"}},
+                    {"feature_reasons",
+                     {{"textures", "2 of 2 materials: bark, leaf"}, {"alpha test", "1 of 2 materials: <b>leaf</b>"}}}}
                    .dump(2)
             << "\n";
   return 0;
@@ -154,7 +156,12 @@ int tell(const std::vector<std::string>& arguments) {
                     {"reference",
                      {{"samples", 4},
                       {"result", result},
-                      {"shadings", {{{"samples", 4}, {"triangle", triangle}, {"radiance", {0.5, 0.25, 0.125}}}}}}}}
+                      {"shadings",
+                       {{{"turn", 0},
+                         {"at", {0.125, -0.125}},
+                         {"samples", 4},
+                         {"triangle", triangle},
+                         {"radiance", {0.5, 0.25, 0.125}}}}}}}}
                    .dump(1)
             << "\n";
   return 0;
