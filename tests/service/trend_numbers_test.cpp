@@ -40,7 +40,7 @@ class StoredTrends : public ServiceTest {
  protected:
   StoredTrends() : claimed_(folder() / "data", server::DataFolder::Claim::night), store_(claimed_.store()) {}
 
-  std::int64_t add(NightCell cell, const std::string& processor, std::optional<std::int64_t> baseline,
+  std::int64_t add(const NightCell& cell, const std::string& processor, std::optional<std::int64_t> baseline,
                    server::NightStatus status = server::NightStatus::passed) {
     NightStore nights(store_);
     NightRecord record;
