@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Can a night's times be trusted? Runs short nights that nothing has changed for, then nights with one technique made a
-tenth slower, and counts alarms of the time gate.
+"""Can a night's times be trusted? Runs short nights that nothing has changed for, among them nights with one technique
+made a tenth slower, and counts alarms of the time gate.
 
     bench/nightly_times.py FOLDER [--build build/release] [--unchanged 50] [--slower 10] [--busy 2] [--share 0.1]
+                           [--steps N]
 
 The slower technique is fxaa: its filter, compiled into a shader folder of its own (SUBPIXEL_SHADERS), goes through a loop
 of idle arithmetic besides, as long as makes the whole technique slower by the share that is asked for, which is set by
@@ -85,29 +86,28 @@ class Bench:
                 ms.setdefault(message['result']['technique'], []).append(message['result']['ms']['processor'])
         return [math.log(f) - 0.5 * (math.log(m) + math.log(n)) for f, m, n in zip(ms['fxaa'], ms['msaa'], ms['noaa'])]
 
-    def share(self, capture, rounds):
-        """By how much the slow shaders' fxaa is slower, from rounds of both in turn."""
+    def share(self, capture, processes):
+        """By how much the slow shaders' fxaa is slower, from so many processes of both in turn, four rounds each."""
         plain, slow = [], []
-        for _ in range(rounds):
+        for _ in range(processes):
             plain += self.ratios(self.plain, 4, capture)
             slow += self.ratios(self.slow, 4, capture)
         return math.exp(statistics.median(slow) - statistics.median(plain)) - 1
 
     def tune(self, wanted):
+        """Steps of idling that make fxaa slower by `wanted`: a line through what many steps cost, which noise moves
+        by a smaller share than what a few cost, and once more from there."""
         capture = os.path.join(self.folder, 'grass.spcap')
         subprocess.run([self.subpixel, 'generate', 'grass', capture, '--frames', '1', '--size', '128x72', '--density',
                         '0.05'], check=True, stdout=subprocess.DEVNULL)
-        steps, per_step = 400, None
-        for _ in range(4):
-            self.slow_filter(steps)
-            share = self.share(capture, 2)
-            print(f'{steps} steps: fxaa {100 * share:+.1f}%', flush=True)
-            if abs(share - wanted) < 0.012:
-                break
-            per_step = max(share, 0.002) / steps
-            steps = max(1, int(wanted / per_step))
+        self.slow_filter(1)
+        none = self.share(capture, 6)
+        self.slow_filter(1000)
+        many = self.share(capture, 6)
+        print(f'1 step: fxaa {100 * none:+.1f}%; 1000 steps: {100 * many:+.1f}%', flush=True)
+        steps = max(1, round(1000 * wanted / many))
         self.slow_filter(steps)
-        return steps, self.share(capture, 4)
+        return steps, self.share(capture, 10)
 
     def night(self, shaders, data):
         path = os.path.join(self.folder, 'night.json')
@@ -117,6 +117,16 @@ class Bench:
             sys.exit(done.stderr)
         with open(path, encoding='utf-8') as file:
             return json.load(file)
+
+
+def cell_of(night, technique):
+    return [cell for cell in night['cells'] if cell['technique'] == technique][0]
+
+
+def log_ratios(night):
+    """As Bench.ratios, of a night's rounds."""
+    return [math.log(one['ms']) - statistics.mean(math.log(ms) for ms in one['references'].values())
+            for one in cell_of(night, 'fxaa')['time']['rounds']]
 
 
 def failures(night):
@@ -132,47 +142,62 @@ def main():
     parser.add_argument('--slower', type=int, default=10)
     parser.add_argument('--busy', type=int, default=2)
     parser.add_argument('--share', type=float, default=0.1)
+    parser.add_argument('--steps', type=int, help='of idling, instead of looking for them')
     options = parser.parse_args()
     bench = Bench(options.folder, options.build)
-    steps, measured = bench.tune(options.share)
-    print(f'the slower fxaa: {steps} steps of idling, measured {100 * measured:+.1f}%', flush=True)
+    if options.steps:
+        bench.slow_filter(options.steps)
+    else:
+        steps, measured = bench.tune(options.share)
+        print(f'the slower fxaa: {steps} steps of idling, measured {100 * measured:+.1f}%', flush=True)
     burners = [subprocess.Popen([sys.executable, '-c', 'import sys; sys.path.insert(0, sys.argv[1]); import nightly_times;'
                                  f' nightly_times.burn({i})', os.path.dirname(os.path.abspath(__file__))])
                for i in range(options.busy)]
     try:
-        data = os.path.join(bench.folder, 'data')
-        shutil.rmtree(data, ignore_errors=True)
-        bench.night(bench.plain, data)
-        subprocess.run([bench.subpixel, 'baseline', 'set', 'times', '--data', data], check=True,
-                       stdout=subprocess.DEVNULL)
-        alarms = caught = 0
-        noises, took = [], []
-        for i in range(options.unchanged):
-            start = time.monotonic()
-            night = bench.night(bench.plain, data)
-            took.append(time.monotonic() - start)
-            noises.append(night['facts'].get('noise', 0))
-            failed = failures(night)
-            alarms += 1 if failed else 0
-            print(f'unchanged {i + 1}: {took[-1]:.1f} s, {night["times"]} {failed or ""}', flush=True)
-        for i in range(options.slower):
-            # Each against the same nights: a slow one that passes is not to be compared with by the next.
-            copy = os.path.join(bench.folder, 'data_slower')
-            shutil.rmtree(copy, ignore_errors=True)
-            shutil.copytree(data, copy)
-            night = bench.night(bench.slow, copy)
-            failed = failures(night)
-            hit = any(technique == 'fxaa' and gate == 'time' for technique, gate, _ in failed)
-            caught += 1 if hit else 0
-            print(f'slower {i + 1}: {"caught" if hit else "missed"} {failed or [c for c in night["cells"] if c["technique"] == "fxaa"][0]["gates"]}', flush=True)
-        print(f'unchanged nights: {options.unchanged}, alarms: {alarms}, '
-              f'noise {100 * statistics.median(noises):.1f}% (up to {100 * max(noises):.1f}%), '
-              f'{statistics.median(took):.1f} s a night' if noises else 'no unchanged nights')
-        print(f'fxaa slower by {100 * measured:.1f}%: caught in {caught} of {options.slower} nights')
-        return 0 if alarms == 0 and caught >= 0.9 * options.slower else 1
+        return count(bench, options.unchanged, options.slower)
     finally:
         for burner in burners:
             burner.kill()
+
+
+def count(bench, unchanged, slower):
+    """Nights of both kinds, the slower ones spread among the others; the exit code."""
+    data, copy = os.path.join(bench.folder, 'data'), os.path.join(bench.folder, 'data_slower')
+    shutil.rmtree(data, ignore_errors=True)
+    bench.night(bench.plain, data)
+    subprocess.run([bench.subpixel, 'baseline', 'set', 'times', '--data', data], check=True, stdout=subprocess.DEVNULL)
+    alarms = caught = slower_done = 0
+    noises, took, plain, slow = [], [], [], []
+    for i in range(unchanged):
+        start = time.monotonic()
+        night = bench.night(bench.plain, data)
+        took.append(time.monotonic() - start)
+        noises.append(night['facts']['noise'])
+        plain += log_ratios(night)
+        failed = failures(night)
+        alarms += 1 if failed else 0
+        print(f'unchanged {i + 1}: {took[-1]:.1f} s, {night["times"]} {failed or ""}', flush=True)
+        while slower_done < slower * (i + 1) // unchanged:
+            # Each on a copy: a slow night that passes is not what the next ones are compared with.
+            shutil.rmtree(copy, ignore_errors=True)
+            shutil.copytree(data, copy)
+            night = bench.night(bench.slow, copy)
+            slow += log_ratios(night)
+            fxaa = cell_of(night, 'fxaa')
+            gate = [gate for gate in fxaa['gates'] if gate['gate'] == 'time'][0]
+            hit = gate['outcome'] == 'failed'
+            caught += 1 if hit else 0
+            slower_done += 1
+            print(f'slower {slower_done}: {"caught" if hit else "MISSED"}, {len(log_ratios(night))} rounds: '
+                  f'{gate["detail"]}', flush=True)
+    if not unchanged:
+        return 0
+    print(f'{unchanged} unchanged nights, {alarms} with an alarm; noise {100 * statistics.median(noises):.1f}% '
+          f'({100 * min(noises):.1f} to {100 * max(noises):.1f}%), {statistics.median(took):.1f} s a night')
+    if slow:
+        share = math.exp(statistics.median(slow) - statistics.median(plain)) - 1
+        print(f'fxaa slower by {100 * share:.1f}% (medians of all rounds of all nights): caught in {caught} of {slower} nights')
+    return 0 if alarms == 0 and caught >= 0.9 * slower else 1
 
 
 if __name__ == '__main__':

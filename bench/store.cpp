@@ -170,7 +170,7 @@ void fill(const fs::path& file, const Sizes& sizes) {
 }
 
 void line(const char* what, double seconds, const std::string& note, double goal) {
-  fmt::print("| {} | {:.3f} | {:.1f} | {} | {} |\n", what, seconds, goal, seconds <= goal ? "yes" : "no", note);
+  fmt::print("| {} | {:.3f} | {:.2f} | {} | {} |\n", what, seconds, goal, seconds <= goal ? "yes" : "no", note);
 }
 
 void measure(const fs::path& root, const Sizes& sizes) {

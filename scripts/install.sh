@@ -31,8 +31,23 @@ if [ "${1:-}" = --tests ]; then
   fi
 fi
 
-# Slurm's daemons, for tests that start their own; machines that are without one skip them.
-idle_packages=(munge slurm-client slurmctld slurmd)
+# Daemons for tests that start their own; machines that are without skip those tests. mariadb-server-core is the program
+# alone, without a service.
+idle_slurm=(munge slurm-client slurmctld slurmd)
+idle_accounting=(slurmdbd mariadb-server-core)
+
+# install_idle WHAT PACKAGE...: all of them, or none where the machine has some of its own.
+install_idle() {
+  local what=$1 package missing=(); shift
+  for package in "$@"; do [ -n "$(installed_version "$package")" ] || missing+=("$package"); done
+  if [ ${#missing[@]} = $# ]; then
+    say "installing ${missing[*]}, not to be started"
+    refresh_lists
+    apt_install_idle "${missing[@]}" || say "no $what: its tests will be skipped"
+  elif [ ${#missing[@]} -gt 0 ]; then
+    say "this machine has a part of $what; not adding ${missing[*]}: its tests may be skipped"
+  fi
+}
 
 settle_mesa
 missing=()
@@ -44,14 +59,7 @@ if [ ${#missing[@]} -gt 0 ]; then
   apt_install "${missing[@]}"
 fi
 if [ "${1:-}" = --tests ]; then
-  idle=()
-  for package in "${idle_packages[@]}"; do [ -n "$(installed_version "$package")" ] || idle+=("$package"); done
-  if [ ${#idle[@]} = ${#idle_packages[@]} ]; then
-    say "installing ${idle[*]}, not to be started"
-    refresh_lists
-    apt_install_idle "${idle[@]}" || say "no Slurm: its tests will be skipped"
-  elif [ ${#idle[@]} -gt 0 ]; then
-    say "this machine has a part of Slurm; not adding ${idle[*]}: its tests may be skipped"
-  fi
+  install_idle Slurm "${idle_slurm[@]}"
+  install_idle "Slurm's accounting" "${idle_accounting[@]}"
 fi
 say "all there; Mesa $(installed_version mesa-vulkan-drivers)"

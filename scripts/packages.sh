@@ -37,7 +37,7 @@ apt_install_idle() {
   fi
   apt_install "$@" || { [ $made = no ] || as_root rm -f "$policy"; return 1; }
   [ $made = no ] || as_root rm -f "$policy"
-  for unit in munge slurmctld slurmd; do
+  for unit in munge slurmctld slurmd slurmdbd; do
     # `systemctl disable` does the same, where it is installed.
     as_root rm -f "$enabled_units/$unit.service"
   done

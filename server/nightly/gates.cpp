@@ -434,10 +434,10 @@ void judge(NightRecord& tonight, const NightRecord* baseline, const GateOptions&
     return nullptr;
   };
   std::erase_if(tonight.cells, [](const NightCell& cell) { return cell.status == CellStatus::missing; });
-  // Bonferroni: the night's rate is shared out among the cells that can raise a false alarm.
+  // Bonferroni: the night's rate is shared out among the cells that can raise a false alarm, and each cell's looks.
   const auto timed =
       std::ranges::count_if(tonight.cells, [](const NightCell& cell) { return !cell.time.rounds.empty(); });
-  const double alarm = options.time_alarm / static_cast<double>(std::max<std::ptrdiff_t>(timed, 1));
+  const double alarm = options.time_alarm / static_cast<double>(kTimeLooks * std::max<std::ptrdiff_t>(timed, 1));
   for (NightCell& cell : tonight.cells) {
     const NightCapture& capture = capture_of(tonight, cell);
     const NightCell* before = baseline == nullptr ? nullptr : counterpart(*baseline, capture.name, cell.technique);

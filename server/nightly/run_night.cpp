@@ -102,7 +102,7 @@ NightRecord Night::run() {
       [this](NightFrame& today, const std::string& yesterday) { return compare(today, yesterday); },
       [this](const std::string& line) { say(line); });
   judge_all();
-  if (config_.gates.time) times.measure(night_, baseline_ ? &*baseline_ : nullptr, [this] { judge_all(); });
+  if (config_.gates.time) times.measure(night_, baseline_ ? &*baseline_ : nullptr, earlier_, [this] { judge_all(); });
   nights_.set_facts(night_.id, night_.facts);
   // What the baseline had besides comes into the store now.
   for (auto i = static_cast<std::uint32_t>(planned_.size()); i < night_.captures.size(); ++i) {

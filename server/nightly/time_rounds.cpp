@@ -129,8 +129,10 @@ TimeRounds::Cells TimeRounds::worth_timing(NightRecord& night) const {
 }
 
 // What else the machine does comes and goes, so the rounds of a capture are spread over all of the night. Every cell
-// gets as many as the noise asks for, those that look slower and the first of a baseline as many as there may be.
-void TimeRounds::measure(NightRecord& night, const NightRecord* baseline, const std::function<void()>& judge) {
+// gets as many as the noise asks for, those that look slower as many as there may be, and then, as long as they are not
+// decided, more.
+void TimeRounds::measure(NightRecord& night, const NightRecord* baseline, const EarlierRounds& earlier,
+                         const std::function<void()>& judge) {
   const Cells timed = worth_timing(night);
   if (timed.empty()) return;
   // What may become a baseline is compared with often.
@@ -146,24 +148,37 @@ void TimeRounds::measure(NightRecord& night, const NightRecord* baseline, const 
   night.facts["rounds"] = all;
   night.facts["measure"] = measure_ == Measure::processor_time ? "processor time" : "device time";
   judge();
-  if (baseline == nullptr || all >= gates_.time_rounds) return;
-  Cells open;
-  std::size_t count = 0;
-  for (const auto& [capture, cells] : timed) {
-    for (NightCell* cell : cells) {
-      if (!looks_slower(*cell, night, *baseline)) continue;
-      open[capture].push_back(cell);
-      ++count;
+  if (baseline == nullptr) return;
+  std::uint32_t done = all;
+  for (const std::uint32_t most : {gates_.time_rounds, kMoreRounds * gates_.time_rounds}) {
+    if (most <= done) continue;
+    Cells open;
+    std::size_t count = 0;
+    for (const auto& [capture, cells] : timed) {
+      for (NightCell* cell : cells) {
+        if (!looks_slower(*cell, night, *baseline, earlier) || (done >= gates_.time_rounds && is_decided(*cell)))
+          continue;
+        open[capture].push_back(cell);
+        ++count;
+      }
     }
+    if (open.empty()) return;
+    say_(fmt::format("{} cells look slower and are measured again", count));
+    night.facts["measured_again"] = count;
+    measure(open, most - done);
+    done = most;
+    judge();
   }
-  if (open.empty()) return;
-  say_(fmt::format("{} cells look slower and are measured again", count));
-  night.facts["measured_again"] = count;
-  measure(open, gates_.time_rounds - all);
-  judge();
 }
 
-bool TimeRounds::looks_slower(const NightCell& cell, const NightRecord& night, const NightRecord& baseline) const {
+// Whether the test said of a cell that it is slower.
+bool TimeRounds::is_decided(const NightCell& cell) {
+  return std::ranges::any_of(
+      cell.gates, [](const GateResult& gate) { return gate.gate == "time" && gate.outcome == GateOutcome::failed; });
+}
+
+bool TimeRounds::looks_slower(const NightCell& cell, const NightRecord& night, const NightRecord& baseline,
+                              const EarlierRounds& earlier) const {
   const NightCell* before = nullptr;
   for (const NightCell& other : baseline.cells) {
     if (other.technique == cell.technique &&
@@ -171,7 +186,11 @@ bool TimeRounds::looks_slower(const NightCell& cell, const NightRecord& night, c
       before = &other;
   }
   if (before == nullptr) return false;
-  const TimeVerdict verdict = test_times(cell.time.rounds, before->time.rounds, {gates_.time_slower, 0});
+  // The same rounds as the gate's.
+  std::vector<TimeRound> rounds = before->time.rounds;
+  if (const auto later = earlier.find({night.captures.at(cell.capture).name, cell.technique}); later != earlier.end())
+    rounds.insert(rounds.end(), later->second.begin(), later->second.end());
+  const TimeVerdict verdict = test_times(cell.time.rounds, rounds, {gates_.time_slower, 0});
   return !verdict.detail.empty() && verdict.decision != TimeDecision::not_slower;
 }
 

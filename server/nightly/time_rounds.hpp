@@ -10,6 +10,7 @@
 
 #include "server/engine/replay_engine.hpp"
 #include "server/nightly/config.hpp"
+#include "server/nightly/gates.hpp"
 #include "server/nightly/planned_capture.hpp"
 
 namespace subpixel::server {
@@ -28,8 +29,10 @@ class TimeRounds {
   // facts["noise"] beside the machine's load; the rounds of every cell follow from it.
   void measure_noise(nlohmann::json& facts);
   // Adds rounds to the cells of a night that were measured. `judge` judges the night with them; cells that then look
-  // slower than in `baseline` (may be null) are measured again and judged again.
-  void measure(NightRecord& night, const NightRecord* baseline, const std::function<void()>& judge);
+  // slower than in `baseline` (may be null) and the `earlier` nights are measured again and judged again, twice at
+  // most.
+  void measure(NightRecord& night, const NightRecord* baseline, const EarlierRounds& earlier,
+               const std::function<void()>& judge);
 
  private:
   // What a round measures. Where the device is the processor, the time of all its threads: a busy machine makes them
@@ -44,8 +47,10 @@ class TimeRounds {
   // Rounds of a capture by some of its techniques; each one cells with frames, in the techniques' order.
   std::vector<std::vector<NightCell>> time_capture(std::uint32_t capture, const std::set<std::string>& techniques,
                                                    std::uint32_t rounds);
+  static bool is_decided(const NightCell& cell);
   // Worth more rounds: above what is allowed by the medians.
-  bool looks_slower(const NightCell& cell, const NightRecord& night, const NightRecord& baseline) const;
+  bool looks_slower(const NightCell& cell, const NightRecord& night, const NightRecord& baseline,
+                    const EarlierRounds& earlier) const;
 
   const std::vector<PlannedCapture>& planned_;
   const GateOptions& gates_;

@@ -43,6 +43,10 @@ struct TimeQuestion {
 TimeVerdict test_times(std::span<const TimeRound> tonight, std::span<const TimeRound> before,
                        const TimeQuestion& question);
 
+// A cell that looks slower is judged after `rounds` of the gate and, when that did not decide, once more after so many
+// times as many. Each look has its share of the false-alarm rate.
+constexpr std::uint32_t kTimeLooks = 2, kMoreRounds = 3;
+
 // Of the logarithms of a ratio over rounds: 1.4826 times the median distance from their median, which is the standard
 // deviation where they are normal, and which single outliers do not move. 0 for fewer than three.
 double ratio_noise(std::span<const double> log_ratios);

@@ -114,9 +114,11 @@ TEST_F(Trends, BisectFindsTheCommit) {
   ASSERT_EQ(shell("git init && git config user.name t && git config user.email t@localhost"), 0);
   std::vector<std::string> commits;
   for (int i = 0; i < 8; ++i) {
-    // From the sixth on an execution more; the third can't be built.
+    // From the sixth on an execution more; the fourth can't be built,
+    // and builds change a file that is under version control.
     std::ofstream(repository / "tweak.json") << json{{"technique", "msaa"}, {"executions", i < 5 ? 0 : 3}};
-    std::ofstream(repository / "build.sh") << (i == 2 ? "exit 1\n" : "cp tweak.json \"$1\" && echo \"$2\"\n");
+    std::ofstream(repository / "build.sh")
+        << (i == 3 ? "exit 1\n" : "echo >>number && cp tweak.json \"$1\" && echo \"$2\"\n");
     std::ofstream(repository / "number") << i;
     ASSERT_EQ(shell("git add -A && git commit -m 'change " + std::to_string(i) + "'"), 0);
     ASSERT_EQ(shell("git rev-parse HEAD >.git/head"), 0);
@@ -155,6 +157,9 @@ TEST_F(Trends, BisectFindsTheCommit) {
   EXPECT_EQ(result.first_bad, commits[5]);
   EXPECT_EQ(result.subject, "change 5");
   EXPECT_GE(result.steps.size(), 2u);
+  EXPECT_TRUE(std::ranges::any_of(result.steps, [&](const server::BisectStep& step) {
+    return step.commit == commits[3] && step.verdict.starts_with("skip: the command failed") && !step.value;
+  }));
   EXPECT_LE(result.steps.size(), 5u);
   EXPECT_EQ(shell("test -z \"$(git status --porcelain)\" && test \"$(git rev-parse --abbrev-ref HEAD)\" != HEAD"), 0)
       << "the repository is as it was";
@@ -163,6 +168,69 @@ TEST_F(Trends, BisectFindsTheCommit) {
   EXPECT_THROW(bisect(request, folder() / "other", options), UsageError);
   request.command = "true {commit}";
   request.bad = "no-such-commit";
+  EXPECT_THROW(bisect(request, folder() / "other", options), InputError);
+}
+
+// A commit that is a folder of shaders, a number that is a time, a capture that was found by its tag.
+TEST_F(Trends, BisectReplaysTheCellAndWhatItsTimeIsComparedWith) {
+  const std::filesystem::path work = folder() / "bisect", cache = work / "data" / "cache";
+  start(options());
+  const std::string hash = client().upload_fake(
+      {{"frames", 2}, {"tweak", (cache / "tweak.json").string()}, {"log", (cache / "log").string()}});
+  ASSERT_EQ(
+      client().http().Post("/api/captures/" + hash + "/tags", R"({"tags": ["court"]})", "application/json")->status,
+      200);
+  json document = config({{{"tag", "court"}}});
+  document["techniques"] = "fxaa,msaa:samples=8,noaa,smaa";
+  document["gates"]["time"] = false;
+  server::BisectRequest request;
+  request.night = night(document);
+  const std::filesystem::path repository = folder() / "game";
+  const auto shell = [&](const std::string& words) {
+    const std::string command = "cd '" + repository.string() + "' && (" + words + ") 2>/dev/null";
+    return std::system(command.c_str());  // NOLINT(concurrency-mt-unsafe)
+  };
+  std::filesystem::create_directories(repository / "shaders");
+  ASSERT_EQ(shell("git init -q && git config user.name t && git config user.email t@localhost"), 0);
+  std::vector<std::string> commits;
+  for (int i = 0; i < 3; ++i) {
+    std::ofstream(repository / "tweak.json") << json{{"technique", "fxaa"}, {"slower", i == 2 ? 3.0 : 1.0}};
+    std::ofstream(repository / "shaders" / "number") << i;
+    ASSERT_EQ(shell("git add -A && git commit -qm 'change " + std::to_string(i) + "' && git rev-parse HEAD >.git/head"),
+              0);
+    std::ifstream(repository / ".git/head") >> commits.emplace_back();
+  }
+  request.capture = request.night.captures.front().name;
+  request.technique = "fxaa";
+  request.number = "time.msaa:samples=8";
+  request.from = 1;
+  request.to = 3;
+  request.good = commits.front();
+  request.bad = commits.back();
+  request.repository = repository;
+  request.data = data();
+  // The command changes a file that is under version control, as builds do.
+  request.command =
+      "test {commit} = {commit} && cp tweak.json '" + cache.string() + "/' && echo >shaders/number && echo shaders";
+  server::NightOptions options;
+  options.worker = SUBPIXEL_FAKE_WORKER;
+  const server::BisectResult result = bisect(request, work, options);
+  EXPECT_EQ(result.first_bad, commits[2]);
+  ASSERT_EQ(result.steps.size(), 1u);
+  EXPECT_TRUE(result.steps[0].value) << result.steps[0].verdict;
+  // NOLINTNEXTLINE(concurrency-mt-unsafe)
+  EXPECT_EQ(std::getenv("SUBPIXEL_SHADERS"), std::filesystem::canonical(work / "clone" / "shaders").string());
+  std::ifstream log(cache / "log");
+  std::string line;
+  while (std::getline(log, line))
+    EXPECT_TRUE(line.ends_with("/0") || line.ends_with("/1") || line.ends_with("/2")) << line;
+
+  // A program after a folder takes no shaders from elsewhere.
+  request.command = "echo '" SUBPIXEL_FAKE_WORKER "' # {commit}";
+  bisect(request, folder() / "program", options);
+  EXPECT_EQ(std::getenv("SUBPIXEL_SHADERS"), nullptr);  // NOLINT(concurrency-mt-unsafe)
+  request.number = "executions";
+  request.technique = "smaa:strange";
   EXPECT_THROW(bisect(request, folder() / "other", options), InputError);
 }
 

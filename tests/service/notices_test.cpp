@@ -74,7 +74,7 @@ TEST(Notices, HmacIsThatOfTheRfc) {
 }
 
 TEST(Notices, AWebhookIsSignedAndRetried) {
-  const Receiver receiver({503, 429, 200});
+  const Receiver receiver({503, 429, 408, 200});
   ::setenv("SUBPIXEL_TEST_SECRET", "key", 1);  // NOLINT(concurrency-mt-unsafe)
   NoticeOptions options;
   options.webhooks = {{receiver.url(), "SUBPIXEL_TEST_SECRET"}};
@@ -82,15 +82,41 @@ TEST(Notices, AWebhookIsSignedAndRetried) {
   ASSERT_EQ(deliveries.size(), 1u);
   EXPECT_TRUE(deliveries[0].arrived) << deliveries[0].text;
   const std::vector<httplib::Request> requests = receiver.requests();
-  ASSERT_EQ(requests.size(), 3u);
+  ASSERT_EQ(requests.size(), 4u);
   for (const httplib::Request& request : requests) {
     const std::string signed_text = request.get_header_value("X-Subpixel-Timestamp") + "." + request.body;
     EXPECT_EQ(request.get_header_value("X-Subpixel-Signature"), "sha256=" + server::hmac_sha256("key", signed_text));
   }
-  const json body = json::parse(requests[2].body);
+  EXPECT_EQ(requests[3].get_header_value("X-Subpixel-Attempt"), "4");
+  const json body = json::parse(requests[3].body);
   EXPECT_EQ(body.at("event"), "night.ended");
   EXPECT_EQ(body.at("status"), "failed");
   EXPECT_EQ(body.at("address"), "http://localhost:1/#/nights/7");
+}
+
+TEST(Notices, ABrokenNightIsToldToo) {
+  const Receiver receiver({200});
+  NoticeOptions options;
+  options.webhooks = {{receiver.url(), ""}};
+  options.only_failed = true;
+  Notice notice = a_notice();
+  notice.event = "night.broken";
+  notice.night.id = 0;  // it had not begun
+  notice.night.status = server::NightStatus::passed;
+  notice.headline = "the capture \xff is none";
+  notice.night.captures = {{"one", "", "", "", {}}};
+  notice.night.cells.resize(150);
+  for (server::NightCell& cell : notice.night.cells)
+    cell.gates = {{"memory", server::GateOutcome::failed, "more"}, {"images", server::GateOutcome::passed, ""}};
+  const std::vector<Delivery> deliveries = send_notices(options, notice, std::chrono::milliseconds(1));
+  ASSERT_EQ(deliveries.size(), 1u);
+  EXPECT_TRUE(deliveries[0].arrived) << deliveries[0].text;
+  const json body = json::parse(receiver.requests().at(0).body);
+  EXPECT_EQ(body.at("status"), "broken");
+  EXPECT_TRUE(body.at("address").is_null());
+  EXPECT_EQ(body.at("failed").size(), 100u) << "a message is no database";
+  EXPECT_EQ(body.at("failed").at(99).at("gate"), "memory");
+  EXPECT_TRUE(receiver.requests().at(0).get_header_value("X-Subpixel-Signature").empty());
 }
 
 TEST(Notices, AttemptsAreBoundedAndRefusalsAreFinal) {
@@ -120,14 +146,26 @@ TEST(Notices, MailGoesToSendmail) {
   NoticeOptions options;
   options.mail_to = {"a@example.net", "b@example.net"};
   options.sendmail = program.string();
+  options.mail_from = "nights@example.net";
   Notice notice = a_notice();
-  notice.headline = "night 7\nBcc: everybody@example.net";
+  notice.headline = "night 7 \xc3\xbc\nBcc: everybody@example.net";
+  const auto letters = [] {
+    const std::filesystem::directory_iterator all(std::filesystem::temp_directory_path());
+    return std::ranges::count_if(
+        all, [](const auto& entry) { return entry.path().filename().string().starts_with("subpixel-mail-"); });
+  };
+  const auto letters_before = letters();
   const std::vector<Delivery> deliveries = send_notices(options, notice);
   ASSERT_EQ(deliveries.size(), 1u);
   EXPECT_TRUE(deliveries[0].arrived) << deliveries[0].text;
   std::stringstream text;
   text << std::ifstream(letter).rdbuf();
-  EXPECT_TRUE(text.str().starts_with("-t -oi\nTo: a@example.net, b@example.net\nSubject: [subpixel] night 7"));
+  EXPECT_TRUE(
+      text.str().starts_with("-t -oi\nTo: a@example.net, b@example.net\nFrom: nights@example.net\n"
+                             "Subject: [subpixel] night 7 ??"))
+      << text.str();
+  EXPECT_TRUE(text.str().ends_with("\n\nwords\n")) << text.str();
+  EXPECT_LE(letters(), letters_before) << "the letter's file is gone";
   EXPECT_EQ(text.str().find("\nBcc:"), std::string::npos) << text.str();
   options.sendmail = (folder.path() / "nowhere").string();
   EXPECT_FALSE(send_notices(options, notice)[0].arrived);

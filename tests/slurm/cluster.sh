@@ -18,6 +18,12 @@ free_port() { python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1
 start_cluster() {
   cluster=$1; shift
   PATH=$PATH:/usr/sbin
+  start_munge
+  write_slurm_conf AccountingStorageType=accounting_storage/none "$@"
+  start_daemons
+}
+
+start_munge() {
   mkdir -p "$cluster"/{state,munge}
   chmod 755 "$cluster" "$cluster/munge"
   mungekey --create --keyfile "$cluster/munge/key"
@@ -25,6 +31,10 @@ start_cluster() {
     --pid-file "$cluster/munge/pid" --log-file "$cluster/munge/log" --seed-file "$cluster/munge/seed" \
     >"$cluster/munge/out" 2>&1 &
   cluster_pids=($!)
+  wait_for "munged to listen" test -S "$cluster/munge/socket"
+}
+
+write_slurm_conf() {
   local host; host=$(hostname -s)
   cat >"$cluster/slurm.conf" <<CONF
 ClusterName=subpixel
@@ -43,7 +53,6 @@ SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
 SchedulerParameters=batch_sched_delay=0,sched_interval=2,bf_interval=2,sched_min_interval=0
 JobCompType=jobcomp/none
-AccountingStorageType=accounting_storage/none
 JobAcctGatherType=jobacct_gather/none
 ReturnToService=2
 SlurmdTimeout=5
@@ -66,7 +75,9 @@ PartitionName=slow Nodes=n3 MaxTime=INFINITE State=UP
 $(printf '%s\n' "$@")
 CONF
   export SLURM_CONF=$cluster/slurm.conf
-  wait_for "munged to listen" test -S "$cluster/munge/socket"
+}
+
+start_daemons() {
   slurmctld -D -f "$SLURM_CONF" >"$cluster/slurmctld.out" 2>&1 &
   cluster_pids+=($!)
   start_node n1

@@ -6,6 +6,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 subpixel=$(realpath "$1") fake=$(realpath "$2")
 shift 2
 . "$here/cluster.sh"
+. "$here/accounting.sh"
 reason=$(missing_slurm)
 [ -z "$reason" ] || { echo "skipped: $reason"; exit 77; }
 
@@ -70,15 +71,16 @@ JSON
 
 # A node that dies with its daemon, its steps and their workers loses no result: they are measured again on the other.
 case_killed() {
-  made_up killed 4 700
-  nightly "$folder/killed.json" "$folder/killed-local" >"$folder/killed.local" 2>&1 || case_failed "the local night"
-  by_slurm "$folder/killed.json" "$folder/killed-data" --shard-results 3 >"$folder/killed.out" 2>&1 &
+  local name=${1:-killed}
+  made_up "$name" 4 700
+  nightly "$folder/$name.json" "$folder/$name-local" >"$folder/$name.local" 2>&1 || case_failed "the local night"
+  by_slurm "$folder/$name.json" "$folder/$name-data" --shard-results 3 >"$folder/$name.out" 2>&1 &
   local night=$!
-  wait_for "a result of a node" results_of "$folder/killed-data" n1
+  wait_for "a result of a node" results_of "$folder/$name-data" n1
   kill_node n1
   wait "$night" || case_failed "the night after a node was killed"
-  grep -q "was lost on n1 (NODE_FAIL" "$folder/killed.out" || { case_failed "nothing was lost"; cat "$folder/killed.out"; }
-  "$here/equal_nights.py" "$folder/killed-local" "$folder/killed-data" || case_failed "a killed node changed the night"
+  grep -q "was lost on n1 (NODE_FAIL" "$folder/$name.out" || { case_failed "nothing was lost"; cat "$folder/$name.out"; }
+  "$here/equal_nights.py" "$folder/$name-local" "$folder/$name-data" || case_failed "a killed node changed the night"
   start_node n1
   wait_for "the node to be back" nodes_idle 2
 }
@@ -106,15 +108,16 @@ case_full() {
 
 # An array that someone cancels is not started again: its capture fails in words, and 1; of a replay 4.
 case_cancelled() {
-  made_up cancelled 2 60000
-  by_slurm "$folder/cancelled.json" "$folder/cancelled-data" >"$folder/cancelled.out" 2>&1 &
+  local name=${1:-cancelled}
+  made_up "$name" 2 60000
+  by_slurm "$folder/$name.json" "$folder/$name-data" >"$folder/$name.out" 2>&1 &
   local night=$! code=0
   wait_for "a task to run" running_tasks
   sleep 1
   scancel $(squeue -h -p main -o %F | sort -u)
   wait "$night" || code=$?
   [ "$code" = 1 ] || case_failed "exit code $code of a night that was cancelled"
-  grep -q "the Slurm job [0-9]*_0 was cancelled" "$folder/cancelled.out" || { case_failed "no word of it"; cat "$folder/cancelled.out"; }
+  grep -q "the Slurm job [0-9]*_0 was cancelled" "$folder/$name.out" || { case_failed "no word of it"; cat "$folder/$name.out"; }
 }
 running_tasks() { [ -n "$(squeue -h -r -p main -t RUNNING -o %i)" ]; }
 
@@ -173,11 +176,36 @@ case_missing() {
     --worker-program "$fake" --engine slurm
 }
 
+# What ends how is asked of sacct where there is accounting: a dead node and a cancelled array of another cluster, with a
+# scontrol that knows no jobs.
+case_accounting() {
+  local reason; reason=$(missing_accounting)
+  [ -z "$reason" ] || { echo "accounting: left out: $reason"; return 0; }
+  (
+    trap stop_cluster EXIT
+    start_cluster_with_accounting "$folder/accounting"
+    mkdir "$folder/without"
+    cat >"$folder/without/scontrol" <<SH
+#!/bin/sh
+case "\$*" in *"show job"*) exit 1 ;; esac
+exec $(command -v scontrol) "\$@"
+SH
+    chmod 755 "$folder/without/scontrol"
+    PATH=$folder/without:$PATH
+    case_killed accounted
+    wait_for "the dead node in sacct" sacct_says NODE_FAIL
+    case_cancelled accounted_cancelled
+    wait_for "the cancelled tasks in sacct" sacct_says "CANCELLED by 0"
+    exit "$failures"
+  ) || failures=$((failures + 1))
+}
+sacct_says() { [ "$(sacct -n -X -P -o State | grep -c "^$1")" != 0 ]; }
+
 printf '#!/bin/sh\nsleep 600\n' >"$folder/sleep.sh"
 start_cluster "$folder/cluster" MaxJobCount=250
 sed 's/^SlurmctldPort=.*/SlurmctldPort=1/; s/^MessageTimeout=.*/MessageTimeout=1/' "$SLURM_CONF" >"$folder/nobody.conf"
 cases=("$@")
-[ ${#cases[@]} -gt 0 ] || cases=(timed_out equal missing cancelled ended drained full killed)
+[ ${#cases[@]} -gt 0 ] || cases=(timed_out equal missing cancelled ended drained full killed accounting)
 beside=
 for name in "${cases[@]}"; do
   if [ "$name" = timed_out ]; then
