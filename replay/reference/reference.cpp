@@ -128,6 +128,11 @@ void take_story(Work& work, std::uint32_t turn, PixelReference& told) {
 
 }  // namespace
 
+std::uint64_t reference_bytes(std::uint32_t width, std::uint32_t height, bool tone_map_samples) {
+  // Two images of four triangles a pixel, and sums of four channels.
+  return std::uint64_t{width} * height * (2 * 4 * 4 + (tone_map_samples ? 3 : 2) * 16);
+}
+
 ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
                                 const ReferenceProgress& progress) {
   kReferenceSamplesLimit.require(options.samples);
@@ -162,6 +167,7 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   target.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   gpu::Image& depth = turns.image(target);
 
+  device.ledger().require("reference", work.sums.bytes() + work.compensation.bytes() + work.display_sums.bytes());
   turns.raster(visibility_pass(scene, work, seen, depth));
   gpu::ComputePass accumulate =
       pixel_pass("reference shading", options.story ? "reference/accumulate.comp:STORY" : "reference/accumulate.comp",
