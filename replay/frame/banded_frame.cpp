@@ -68,7 +68,7 @@ class Bands {
   void take_history();
   void draw_band(const Band& drawn, std::uint32_t repeat, const std::function<void()>& after_cold);
   void add_runs(const Runs& band);
-  void add_images(FrameImages band, const Band& drawn);
+  void add_images(const FrameImages& band, const Band& drawn);
   void add_counters(const FrameOutputs& band);
   void finish(std::uint32_t bands);
   FrameSetup whole_setup(FrameOutputs& outputs);
@@ -258,7 +258,7 @@ void Bands::add_runs(const Runs& band) {
   add(runs.instructions, band.instructions);
 }
 
-void Bands::add_images(FrameImages band, const Band& drawn) {
+void Bands::add_images(const FrameImages& band, const Band& drawn) {
   const std::size_t width = scene_.width(), skipped = (drawn.kept_first - drawn.first) * width;
   const std::size_t to = drawn.kept_first * width, pixels = drawn.kept_rows * width, all = height_ * width;
   const auto put = [&](auto& whole, const auto& rows, std::size_t channels) {
@@ -366,11 +366,8 @@ void BandedFrame::run() {
 }
 
 void BandedFrame::draw(std::uint32_t repeat, const std::function<void()>& after_cold) {
-  if (whole_ == nullptr && memory_.bands > 1) {
-    draw_bands(repeat, after_cold);
-  } else if (!draw_whole(repeat, after_cold)) {
-    draw_bands(repeat, after_cold);
-  }
+  const bool in_bands = whole_ == nullptr && memory_.bands > 1;  // known from before
+  if (in_bands || !draw_whole(repeat, after_cold)) draw_bands(repeat, after_cold);
 }
 
 bool BandedFrame::draw_whole(std::uint32_t repeat, const std::function<void()>& after_cold) {
