@@ -180,6 +180,11 @@ int info(const InfoArguments& options) {
         fmt::print("{:<16} {}\n", "notice", printable(notice.get<std::string>()));
       continue;
     }
+    if (key == "feature_reasons") {
+      for (const auto& [feature, why] : value.items())
+        fmt::print("{:<16} {}: {}\n", "needs", feature, printable(why.get<std::string>()));
+      continue;
+    }
     std::string text = value.is_string() ? value.get<std::string>() : json_text(value);
     if (key == "features") {
       text.clear();

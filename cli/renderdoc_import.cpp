@@ -69,11 +69,14 @@ std::vector<std::string> environment_with(const std::filesystem::path& package, 
                                           bool on_display) {
   std::vector<std::string> added{with_variable("PYTHONPATH", package.string()),
                                  with_variable("PYTHONDONTWRITEBYTECODE", "1"),
-                                 with_variable("RENDERDOC_TEMP", temporary.string())};
+                                 with_variable("RENDERDOC_TEMP", temporary.string()),
+                                 // Of this import alone: RenderDoc compiles the frame's shaders at each of its many
+                                 // replays, and what a stranger's file makes must not be read by the next import.
+                                 with_variable("MESA_SHADER_CACHE_DIR", (temporary / "mesa").string()),
+                                 with_variable("MESA_SHADER_CACHE_DISABLE", "false")};
   if (!on_display) {
-    added.insert(added.end(),
-                 {with_variable("DISPLAY", ""), with_variable("WAYLAND_DISPLAY", ""),
-                  with_variable("LIBGL_ALWAYS_SOFTWARE", "1"), with_variable("MESA_SHADER_CACHE_DISABLE", "1")});
+    added.insert(added.end(), {with_variable("DISPLAY", ""), with_variable("WAYLAND_DISPLAY", ""),
+                               with_variable("LIBGL_ALWAYS_SOFTWARE", "1")});
   }
   std::vector<std::string> all = added;
   for (char** entry = environ; *entry != nullptr; ++entry) {

@@ -50,6 +50,8 @@ void add_story_verbs(CLI::App& app, std::function<int()>& action) {
   verb->add_option("--reference-samples", flags->job.reference_samples, "Visibility samples of the reference; 0: none")
       ->transform(within(replay::kReferenceSamplesLimit))
       ->capture_default_str();
+  verb->add_option("--lights", flags->job.point_lights, "Point lights: this many; as recorded when absent")
+      ->transform(within(replay::kPointLightsLimit));
   verb->add_option("--device", flags->device, "As of replay");
   verb->add_flag("--json", flags->as_json, "Print the story as one JSON document");
   verb->callback([&action, flags] { action = [flags] { return tell(*flags); }; });

@@ -53,11 +53,11 @@ class Service:
         return self._ask('GET', f'/api/captures/{_part(hash)}/file')
 
     def tell_story(self, hash, *, technique=None, x=None, y=None, frame=None, width=None, height=None, samples=None,
-                   reference_samples=None):
+                   reference_samples=None, point_lights=None):
         """What happens in a pixel; `technique` as the command line has it."""
         return self._ask('GET', f'/api/captures/{_part(hash)}/pixel', {
             'technique': technique, 'x': x, 'y': y, 'frame': frame, 'width': width, 'height': height,
-            'samples': samples, 'reference_samples': reference_samples})
+            'samples': samples, 'reference_samples': reference_samples, 'point_lights': point_lights})
 
     def show_frame(self, hash, *, frame=None, width=None, height=None):
         """A frame's draws, its picture, and which draw each pixel shows."""

@@ -207,6 +207,7 @@ Results Replay::run() {
   std::error_code error;
   std::filesystem::create_directories(job_.out_dir, error);
   if (error) throw InputError("output folder", "can't be made: " + error.message(), job_.out_dir.string());
+  progress("device", 0, 1, fmt::format("{}, {}, {}", head_.device, head_.driver_version, head_.cpu_model));
   progress("load", 0, 1, capture_.metadata.title);
   gpu::require_ordered_access(device_);
   require_room_for_references();
@@ -245,7 +246,8 @@ void Replay::require_room_for_references() {
   if (options_.reference_samples == 0) return;
   std::uint64_t needed = 0;
   for (const TechniqueSetting& planned : planned_)
-    needed = std::max(needed, reference_bytes(width_, height_, planned.parameters->resolve == Resolve::tone_mapped));
+    needed = std::max(needed, reference_bytes(options_.reference_samples, width_, height_,
+                                              planned.parameters->resolve == Resolve::tone_mapped));
   if (needed > budget)
     throw UsageError("memory",
                      fmt::format("the reference can't be drawn in bands: at {}x{} it needs {} bytes, the budget is {}",

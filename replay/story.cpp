@@ -25,6 +25,7 @@ std::vector<TechniqueSetting> settings_of(const StoryJob& job) {
   if (job.techniques.empty()) throw UsageError("technique", "none is named", "--technique");
   kSamplesLimit.require(job.samples);
   kReferenceSamplesLimit.require(job.reference_samples);
+  if (job.point_lights) kPointLightsLimit.require(*job.point_lights);
   std::vector<TechniqueRequest> wanted;
   std::vector<TechniqueSetting> settings;
   const auto add = [&](const TechniqueSetting& setting) {
@@ -80,7 +81,8 @@ json reference_story(gpu::Device& device, GpuScene& scene, const StoryJob& job, 
                          {{"draw", source.draw},
                           {"instance", source.instance},
                           {"triangle", source.triangle},
-                          {"material", one.material}}},
+                          {"material", one.material},
+                          {"material_name", scene.capture().materials[one.material].name}}},
                         {"radiance", {one.radiance.x, one.radiance.y, one.radiance.z}}});
   }
   const std::size_t p = 3 * (std::size_t{job.y} * image.linear.width + job.x);
@@ -105,7 +107,7 @@ json tell_pixel(const StoryJob& job, const std::string& device_name) {
              {"size", {choice.width, choice.height}},
              {"pixel", {job.x, job.y}},
              {"device", device.info().device}};
-  FrameScene scene(device, std::move(capture), {}, choice);
+  FrameScene scene(device, std::move(capture), SceneOptions{.point_lights = job.point_lights}, choice);
   for (const TechniqueSetting& setting : settings)
     story["stories"].push_back(technique_story(scene, setting, {job.x, job.y}));
   story["reference"] = nullptr;

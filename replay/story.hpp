@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,12 +17,13 @@ struct StoryJob {
   std::vector<TechniqueRequest> techniques;  // `msaa` is told beside them
   std::uint32_t samples = 8;                 // of those that don't name theirs
   std::uint32_t frame = 0, x = 0, y = 0;
-  std::uint32_t width = 0, height = 0;   // pixels; 0: as the frame was recorded
-  std::uint32_t reference_samples = 64;  // 0: no reference
+  std::uint32_t width = 0, height = 0;        // pixels; 0: as the frame was recorded
+  std::uint32_t reference_samples = 64;       // 0: no reference
+  std::optional<std::uint32_t> point_lights;  // exactly this many, as of a run; as recorded when absent
 };
 
 // docs/pixel_story.md describes it. `device` as ReplayInspection has it. Throws UsageError (technique, frame, pixel,
-// size), InputError (capture) and DeviceError.
+// size, lights), InputError (capture) and DeviceError.
 nlohmann::json tell_pixel(const StoryJob& job, const std::string& device = {});
 
 // The same for people.

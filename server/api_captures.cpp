@@ -132,7 +132,8 @@ void Api::route_captures(Routes& routes) {
                         {"width", number, "of the image, pixels; as recorded when absent"},
                         {"height", number, "the same"},
                         {"samples", number, "of techniques that do not say how many"},
-                        {"reference_samples", number, "0: no reference"}}},
+                        {"reference_samples", number, "0: no reference"},
+                        {"point_lights", number, "this many, as of a run; as recorded when absent"}}},
              [this](const Request& request, Response& response) { send_story(request, path_part(0), response); });
   const std::string side = R"({"type":"integer","minimum":1,"maximum":2048,"default":)";
   routes.add({.method = "GET",
@@ -312,6 +313,7 @@ void Api::send_story(const Request& request, const std::string& hash, Response& 
                                    fmt::format("--reference-samples={}", number("reference_samples", kAny, 64))};
   if (request.has_param("width"))
     options.push_back(fmt::format("--size={}x{}", number("width", kAny, 0), number("height", kAny, 0)));
+  if (request.has_param("point_lights")) options.push_back(fmt::format("--lights={}", number("point_lights", kAny, 0)));
   response.set_header("Cache-Control", "no-store");
   write_json(response, 200, ask_about_pixels(hash, {"pixel", std::move(options), "the pixel's story is not told"}));
 }

@@ -7,21 +7,10 @@
 #include "base/atomic_file.hpp"
 #include "base/failure.hpp"
 #include "base/log_fields.hpp"
-#include "base/printable.hpp"
 #include "server/worker_session.hpp"
 
 namespace subpixel::server {
 namespace {
-
-// The last line a dying process wrote says more than its exit code.
-std::string with_error_tail(std::string reason, const std::string& tail) {
-  std::string_view text(tail);
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.remove_suffix(1);
-  const std::size_t line = text.rfind('\n');
-  if (line != std::string_view::npos) text.remove_prefix(line + 1);
-  if (!text.empty()) reason += fmt::format("; its last words: {}", printable(text, 500));
-  return reason;
-}
 
 struct Verdict {
   RunStatus status;
@@ -32,7 +21,7 @@ Verdict judge(const ChildOutcome& outcome, const WorkerSession& session) {
   using Kind = ChildOutcome::Kind;
   if (outcome.kind == Kind::refused) return {RunStatus::failed, session.refusal()};
   if (!session.worker_error().empty()) return {RunStatus::failed, session.worker_error()};
-  if (!outcome.reason.empty()) return {RunStatus::failed, with_error_tail(outcome.reason, outcome.error_tail)};
+  if (!outcome.reason.empty()) return {RunStatus::failed, session.place().end_in_words(outcome)};
   if (!session.done()) return {RunStatus::failed, "the worker process ended without saying that it was done"};
   if (!session.complete()) return {RunStatus::failed, "the worker process left out results"};
   return {RunStatus::done, ""};

@@ -60,6 +60,8 @@ void WorkerSession::take_progress(const json& document) {
       {"done", message.member("done").number()},
       {"total", message.member("total").number()},
       {"detail", message.has("detail") ? printable(message.member("detail").text(), kMaxProgressText) : ""}};
+  place_.progress(progress.at("stage").get_ref<const std::string&>(),
+                  progress.at("detail").get_ref<const std::string&>());
   events_.progress(run_.id, std::move(progress));
 }
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/engine/worker_place.hpp"
 #include "server/run_events.hpp"
 #include "server/store/store.hpp"
 
@@ -25,7 +26,8 @@ class WorkerSession {
 
   const std::string& refusal() const { return refusal_; }     // why a line was refused
   const std::string& worker_error() const { return error_; }  // the worker's own "error" line
-  bool done() const { return done_; }                         // the worker said "done"
+  const WorkerPlace& place() const { return place_; }
+  bool done() const { return done_; }  // the worker said "done"
   bool complete() const { return taken_.size() == run_.expected_results; }
 
  private:
@@ -41,6 +43,7 @@ class WorkerSession {
   std::set<std::pair<std::uint32_t, std::uint32_t>> taken_;  // (frame, technique ordinal) stored so far
   std::uint64_t lines_ = 0;
   std::string refusal_, error_;
+  WorkerPlace place_;
   bool done_ = false;
 };
 

@@ -38,6 +38,31 @@ export const get = (path) => request('GET', path);
 export const post = (path, body) => request('POST', path, body);
 export const remove = (path) => request('DELETE', path);
 
+const patience = 700;  // ms until the service is asked again that makes something for someone else
+
+let last = Promise.resolve();
+
+/**
+ * What the service makes one at a time, stories and pictures of frames: asked for one after the other, and again while it makes another's.
+ * Null when `wanted()` says meanwhile that it is not wanted any more.
+ */
+export function getInTurn(path, wanted = () => true) {
+  const answered = async () => {
+    while (wanted()) {
+      try {
+        return await get(path);
+      } catch (error) {
+        if (error.status !== 503) throw error;
+      }
+      await new Promise((resolve) => setTimeout(resolve, patience));
+    }
+    return null;
+  };
+  const mine = last.then(answered);
+  last = mine.catch(() => {});
+  return mine;
+}
+
 let registry = null;
 /** The techniques, fetched once. */
 export async function techniques() {

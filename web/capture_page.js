@@ -5,6 +5,8 @@ import {announce, field, h} from './dom.js';
 import {FilmStrip} from './film_strip.js';
 import {bytes, count, when} from './format.js';
 import {FrameView} from './frame_view.js';
+import {setKeys} from './keys.js';
+import {printed, saveReport} from './report.js';
 import {runForm} from './run_form.js';
 import {runsTable} from './runs_page.js';
 import {ViewAddress} from './view_address.js';
@@ -35,9 +37,10 @@ const needs = {
   'unlit': 'materials are shown as they are, without light',
 };
 
-function needList(features) {
+// `reasons`: which materials, draws or frames need each; captures stored before there were any have none.
+function needList(features, reasons = {}) {
   if (features.length === 0) return [];
-  return [h('h2', {}, 'What the scene needs'), h('dl.needs', {}, features.map((feature) => h('div', {}, h('dt', {}, feature), h('dd', {}, needs[feature] ?? ''))))];
+  return [h('h2', {}, 'What the scene needs'), h('dl.needs', {}, features.map((feature) => h('div', {}, h('dt', {}, feature), h('dd', {}, needs[feature] ?? '', reasons[feature] && h('div.quiet', {}, `because of ${reasons[feature]}`)))))];
 }
 
 // Frames and draws are asked for when they are opened: the service replays the frame for them. What is open is in the address.
@@ -68,8 +71,24 @@ function framesPanel(capture) {
     await show(shown.frame, shown);
     if (frames > 1) strip.fill();
   }}, h('summary', {}, 'Frames and draws'), frames > 1 && [strip.element, field('Frame', number)], view.element);
-  return {element: panel, close: () => strip.close()};
+  const step = (by) => panel.open && shown.frame + by >= 0 && shown.frame + by < frames && show(shown.frame + by);
+  setKeys('This capture', [
+    {keys: ['d'], text: 'frames and draws, or not', act: () => (panel.open = !panel.open)},
+    {keys: ['['], text: 'frame before', act: () => step(-1)},
+    {keys: [']'], text: 'next frame', act: () => step(1)},
+    {keys: ['j'], text: 'next draw', act: () => panel.open && view.step(1)},
+    {keys: ['k'], text: 'draw before', act: () => panel.open && view.step(-1)},
+    {keys: ['0'], text: 'no draw', act: () => panel.open && view.step(0)},
+    {keys: ['y'], text: 'copy the address of this view', act: () => address.copy()},
+  ]);
+  return {element: panel, address, close: () => {
+    address.write();
+    strip.close();
+    setKeys('This capture');
+  }};
 }
+
+const reportTitles = {needs: 'What the scene needs', notices: 'Notices', runs: 'Runs'};
 
 export async function capturePage(hash) {
   const [capture, registry, limitTable, {runs}] = await Promise.all([
@@ -106,16 +125,25 @@ export async function capturePage(hash) {
   const frames = capture.frame_count > 0 ? framesPanel(capture) : null;
   const element = h('section', {},
     h('p.crumbs', {}, h('a', {href: '#/'}, 'Captures')),
-    h('h1', {}, title),
+    h('div.section-head.first', {}, h('h1', {}, title), h('span.spacer', {}),
+      frames && h('button', {type: 'button', onclick: () => frames.address.copy()}, 'Copy address'), h('button', {type: 'button', onclick: () => report()}, 'Report')),
     h('div.capture-head', {}, thumbnail(capture),
       h('div', {}, h('dl.facts.wide', {}, facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))),
         featureTags(capture.features), tagForm,
         h('p.actions', {}, h('a.button', {href: `/api/captures/${hash}/file`, download: capture.name}, 'Download'), deletion),
         problem)),
-    frames?.element, needList(capture.features), noticeList(capture.summary.notices ?? []),
+    frames?.element, needList(capture.features, capture.summary.feature_reasons), noticeList(capture.summary.notices ?? []),
     h('h2', {}, 'New run'),
     capture.frame_count > 0 ? runForm(capture, registry, limitTable) : h('p', {}, 'This capture has no frames.'),
     h('h2', {}, 'Runs'),
-    runs.length > 0 ? runsTable(runs, registry) : h('p.quiet', {}, 'None yet.'));
-  return {title, element, close: () => frames?.close()};
+    runs.length > 0 ? h('div.runs', {}, runsTable(runs, registry)) : h('p.quiet', {}, 'None yet.'));
+  const report = () => {
+    frames?.address.write();
+    saveReport(`capture-${hash.slice(0, 8)}`, {title, address: location.href, facts, parts: [...element.querySelectorAll('.capture-head > .thumbnail, .frames-panel[open] .frame-view, .needs, .notices, .runs')].map((part) => ({title: reportTitles[part.classList[0]], html: printed(part)}))});
+  };
+  setKeys('Report', [{keys: ['r'], text: 'report of what is on the screen', act: report}]);
+  return {title, element, close: () => {
+    frames?.close();
+    setKeys('Report');
+  }};
 }

@@ -23,7 +23,7 @@ export class CompareView {
   #worst = new WorstPlaces((x, y) => {
     this.goTo(x + 0.5, y + 0.5, 16);
     this.#painter.canvas.scrollIntoView({block: 'nearest'});
-  });
+  }, () => this.toggleWorst());
   #message = h('p.view-message', {role: 'status', hidden: true});
   #wipe = h('input', {type: 'range', min: 0, max: 1000, value: 500, 'aria-label': 'Position of the dividing line', oninput: () => this.setShare(this.#wipe.value / 1000)});
   #scaleText = h('span.quiet.scale', {});
@@ -99,11 +99,22 @@ export class CompareView {
     Object.assign(this.#state, state);
   }
 
+  /** Marks a pixel of the pictures, null none. */
+  mark(pixel) {
+    this.#painter.marked = pixel;
+    this.#draw();
+  }
+
   /** Changes the state, draws it and tells. */
   change(state) {
     Object.assign(this.#state, state);
     this.#onChange(this.state);
     this.#refresh();
+  }
+
+  /** Legends, the box's figures and the worst places, which have children while they are shown. */
+  get panels() {
+    return [this.#controls.legends, this.#boxPanel.element, this.#worst.element];
   }
 
   /** What is on the screen as a picture of its own, for reports. */
@@ -146,6 +157,7 @@ export class CompareView {
     this.element.setAttribute('aria-busy', 'false');
     this.#read();
     this.#measureBox();
+    this.#worst.follow(this.#state, this.#layers);
     this.#readAhead();
   }
 
@@ -277,6 +289,8 @@ export class CompareView {
   }
 
   toggleWorst() {
-    this.#worst.toggle(this.#state, this.#layers);
+    this.#state.worst = !this.#state.worst;
+    this.#onChange(this.state);
+    this.#worst.follow(this.#state, this.#layers);
   }
 }

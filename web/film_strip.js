@@ -36,7 +36,9 @@ export class FilmStrip {
     for (let i = 0; i < this.#frames.length && !this.#closed; ++i) {
       const place = this.#buttons[i].firstElementChild;
       try {
-        const image = await pictureOf(await frameOf(this.#hash, this.#frames[i], size));
+        const view = await frameOf(this.#hash, this.#frames[i], size, () => !this.#closed);
+        if (!view) return;
+        const image = await pictureOf(view);
         image.alt = '';
         replace(place, image);
       } catch (error) {

@@ -1,31 +1,13 @@
 // A frame of a capture: its draws as a tree, by material, beside its picture. A draw that is chosen is highlighted in the picture,
 // and a click in the picture chooses the draw that is seen there.
-import {get} from './api.js';
+import {getInTurn} from './api.js';
 import {announce, h, replace, setAttribute} from './dom.js';
 import {bytes, count} from './format.js';
 
 const mostDraws = 3000;  // elements of the tree; what is beyond is counted
 
-const wait = 700;  // ms until the service is asked again that draws something for someone else
-
-let last = Promise.resolve();
-
-/** A frame as the service draws it at `size`: one at a time, in the order in which they are asked for. */
-export function frameOf(hash, frame, [width, height]) {
-  const answer = async () => {
-    for (;;) {
-      try {
-        return await get(`/api/captures/${hash}/frame?frame=${frame}&width=${width}&height=${height}`);
-      } catch (error) {
-        if (error.status !== 503) throw error;
-      }
-      await new Promise((resolve) => setTimeout(resolve, wait));
-    }
-  };
-  const mine = last.then(answer);
-  last = mine.catch(() => {});
-  return mine;
-}
+/** A frame as the service draws it at `size`; null when it is not `wanted()` any more. */
+export const frameOf = (hash, frame, [width, height], wanted) => getInTurn(`/api/captures/${hash}/frame?frame=${frame}&width=${width}&height=${height}`, wanted);
 
 /** The picture of a view that the service made, decoded. */
 export async function pictureOf(view) {
@@ -93,7 +75,8 @@ export class FrameView {
     this.#chosen = null;
     replace(this.element, h('p.quiet', {role: 'status'}, `Frame ${frame} is being drawn …`), h('div.skeleton', {}));
     try {
-      const view = await frameOf(this.#hash, frame, this.#size);
+      const view = await frameOf(this.#hash, frame, this.#size, () => mine === this.#turn);
+      if (!view) return;
       const picture = await pictureOf(view);
       if (mine !== this.#turn) return;
       [this.#view, this.#picture, this.#draws] = [view, picture, drawsOf(view)];
@@ -103,6 +86,17 @@ export class FrameView {
     }
     this.#build(choice);
     announce(`Frame ${frame} is shown`);
+  }
+
+  /** Chooses the draw after the chosen one, or before it, in submission order, of those that are seen; 0: none. */
+  step(by) {
+    if (!this.#view) return;
+    if (by === 0) return this.#choose(null);
+    const seen = this.#view.draws.filter(({pixels}) => pixels > 0).map(({draw}) => draw);
+    if (seen.length === 0) return;
+    const now = this.#chosen ? [...this.#chosen] : [];
+    const at = by > 0 ? seen.findIndex((draw) => draw > Math.max(-1, ...now)) : seen.findLastIndex((draw) => draw < (now.length > 0 ? Math.min(...now) : Infinity));
+    this.#choose([seen[at >= 0 ? at : by > 0 ? 0 : seen.length - 1]]);
   }
 
   #build({draw, material}) {

@@ -1,55 +1,54 @@
 // One night as a grid, captures by techniques. A cell opens what was judged, and the baseline's image beside tonight's.
-import {blobUrl, get, loadPalettes, post, techniques} from './api.js';
-import {CompareView} from './compare_view.js';
-import {legend} from './colour_scales.js';
+import {get, loadPalettes, post, techniques} from './api.js';
 import {announce, field, h, replace} from './dom.js';
-import {bytes, count, fixed, scientific, significant, when} from './format.js';
+import {count, fixed, significant, when} from './format.js';
 import {setKeys} from './keys.js';
-import {layerOf} from './run_layers.js';
+import {NightCell, picture} from './night_cell.js';
 import {countsText, nightLength} from './nights_page.js';
+import {printed, saveReport} from './report.js';
 import {statusPill} from './runs_page.js';
-import {trendAddress} from './trends_page.js';
+import {ViewAddress} from './view_address.js';
 import {viewHints, viewKeys} from './view_input.js';
 
 const marks = {passed: '✓', failed: '✕', missing: '∅', new: '+', unjudged: '·'};
-const differenceScale = {map: 'magma', maximum: 0.25, description: 'largest absolute difference of the sRGB channels to the baseline', unit: ''};
 
 export async function nightPage(id) {
   const [night, {baselines}, registry] = await Promise.all([get(`/api/nights/${id}`), get('/api/baselines'), techniques(), loadPalettes()]);
   const page = new NightPage(night, baselines, registry);
+  page.restore();
   return {element: page.element, title: `Night ${id}`, close: () => page.close()};
 }
 
 class NightPage {
   #night;
   #baselines;
-  #view = new CompareView();
-  #registry;
+  #address = new ViewAddress();
   #grid = h('div', {});
-  #cell = h('section.night-cell', {'aria-live': 'polite'});
+  #cell;
   #approval = h('span', {});
-  #open = null;
+  #opened = -1;   // the place of the cell that is open among those of the grid
+  #facts;
 
   constructor(night, baselines, registry) {
-    this.#registry = registry;
-    setKeys('Picture', viewKeys(this.#view));
-    setKeys('On the picture', viewHints);
     this.#night = night;
     this.#baselines = baselines;
+    this.#cell = new NightCell(night, registry, this.#address);
+    this.#bindKeys();
     this.#drawApproval();
     this.#drawGrid();
     const machine = night.captures.find((capture) => capture.head)?.head;
-    const facts = [
+    this.#facts = [
       ['started', when(night.started_utc)], ['took', nightLength(night)], ['build', night.build], night.commit && ['commit', night.commit.slice(0, 12)],
       ['compared with', night.baseline_night ? [`${night.baseline}, `, h('a', {href: `#/nights/${night.baseline_night}`}, `night ${night.baseline_night}`)] : `nothing: ${night.baseline} is not approved yet`],
       machine && ['driver', machine.driver_version], machine && ['CPU', machine.cpu_model],
     ].filter(Boolean);
     this.element = h('section.night-page', {},
       h('p.crumbs', {}, h('a', {href: '#/nights'}, 'Nights')),
-      h('h1', {}, `Night ${night.id}`, h('span.quiet', {}, ` ${night.name}`)),
+      h('div.section-head.first', {}, h('h1', {}, `Night ${night.id}`, h('span.quiet', {}, ` ${night.name}`)), h('span.spacer', {}),
+        h('button', {type: 'button', onclick: () => this.#address.copy()}, 'Copy address'), h('button', {type: 'button', onclick: () => this.#report()}, 'Report')),
       h('div.progress', {}, statusPill(night.status), h('span', {}, countsText(night.counts)), h('span.spacer', {}), this.#approval,
         night.reason && h('p.problem', {}, night.reason)),
-      h('dl.facts.wide', {}, facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))),
+      h('dl.facts.wide', {}, this.#facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))),
       h('div.section-head', {}, h('h2', {}, 'Captures by techniques'), h('span.spacer', {}),
         h('a.button', {href: `/api/nights/${night.id}/summary.md`, download: `night-${night.id}.md`}, 'Markdown'),
         h('a.button', {href: `/api/nights/${night.id}/summary.xml`, download: `night-${night.id}.xml`}, 'JUnit'),
@@ -57,13 +56,64 @@ class NightPage {
       this.#grid,
       night.times && h('p.quiet.note', {}, night.times),
       h('p.quiet.note', {}, '✓ as the baseline, ✕ a gate failed, + not in the baseline, ∅ only in the baseline'),
-      this.#cell, againstSections(night.facts?.against));
+      this.#cell.element, againstSections(night.facts?.against));
   }
 
   close() {
-    this.#view.close();
-    setKeys('Picture');
-    setKeys('On the picture');
+    this.#address.write();
+    this.#cell.close();
+    for (const group of ['This night', 'Picture', 'On the picture']) setKeys(group);
+  }
+
+  #bindKeys() {
+    setKeys('This night', [
+      {keys: ['j'], text: 'next cell', act: () => this.#step(1, () => true)},
+      {keys: ['k'], text: 'cell before', act: () => this.#step(-1, () => true)},
+      {keys: ['a'], text: 'next cell that failed or is missing', act: () => this.#step(1, ({status}) => status === 'failed' || status === 'missing')},
+      {keys: ['['], text: 'frame before', act: () => this.#cell.step(-1)},
+      {keys: [']'], text: 'next frame', act: () => this.#cell.step(1)},
+      {keys: ['A'], text: 'approve this night', act: () => this.#approval.querySelector('button')?.click()},
+      {keys: ['r'], text: 'report of what is on the screen', act: () => this.#report()},
+      {keys: ['y'], text: 'copy the address of this view', act: () => this.#address.copy()},
+    ]);
+    setKeys('Picture', viewKeys(this.#cell.view));
+    setKeys('On the picture', viewHints);
+  }
+
+  /** Opens the cell that the address names. */
+  restore() {
+    const at = this.#buttons.findIndex(({dataset}) => Number(dataset.cell) === this.#address.number('cell', -1));
+    if (at >= 0) this.#show(at, true);
+  }
+
+  get #buttons() {
+    return [...this.#grid.querySelectorAll('.cell')];
+  }
+
+  #cellOf = ({dataset}) => this.#night.cells.find(({id}) => id === Number(dataset.cell));
+
+  // To the next cell of the grid that is wanted, in its order, round its end.
+  #step(by, wanted) {
+    const buttons = this.#buttons;
+    const from = this.#opened < 0 && by < 0 ? 0 : this.#opened;
+    for (let i = 1; i <= buttons.length; ++i) {
+      const at = (from + by * i + buttons.length * 2) % buttons.length;
+      if (wanted(this.#cellOf(buttons[at]))) return this.#show(at);
+    }
+    announce('There is no such cell');
+  }
+
+  #show(at, restored = false) {
+    this.#opened = at;
+    this.#buttons.forEach((button, i) => button.setAttribute('aria-pressed', String(i === at)));
+    this.#cell.open(this.#cellOf(this.#buttons[at]), restored);
+  }
+
+  #report() {
+    this.#address.write();
+    saveReport(`night-${this.#night.id}`, {title: `Night ${this.#night.id} of ${this.#night.name}: ${this.#night.status}`, address: location.href,
+      facts: this.#facts.map(([name, value]) => [name, [value].flat().map((part) => part.textContent ?? part).join('')]),
+      parts: [{title: 'Captures by techniques', html: printed(this.#grid)}, ...this.#cell.report]});
   }
 
   #drawApproval() {
@@ -98,91 +148,11 @@ class NightPage {
           if (!cell) return h('td', {});
           const failed = cell.gates.filter((gate) => gate.outcome === 'failed').map((gate) => gate.gate);
           return h('td', {}, h(`button.cell.${cell.status}`, {
-            type: 'button', 'aria-pressed': 'false', 'aria-label': `${capture.name}, ${technique}: ${cell.status}`,
+            type: 'button', 'aria-pressed': 'false', 'data-cell': cell.id, 'aria-label': `${capture.name}, ${technique}: ${cell.status}`,
             title: `${capture.name}\n${technique}\n${cell.status}${failed.length > 0 ? `: ${failed.join(', ')}` : ''}`,
-            onclick: (event) => this.#show(cell, event.currentTarget),
+            onclick: (event) => this.#show(this.#buttons.indexOf(event.currentTarget)),
           }, marks[cell.status]));
         })))))));
-  }
-
-  async #show(cell, button) {
-    this.#grid.querySelectorAll('.cell[aria-pressed="true"]').forEach((other) => other.setAttribute('aria-pressed', 'false'));
-    button.setAttribute('aria-pressed', 'true');
-    this.#open = cell.id;
-    let details;
-    try {
-      details = await get(`/api/nights/${this.#night.id}/cells/${cell.id}`);
-    } catch (error) {
-      return replace(this.#cell, h('p.problem', {role: 'alert'}, error.message));
-    }
-    if (this.#open !== cell.id) return;  // another cell was opened meanwhile
-    const frames = h('select', {onchange: () => draw(details.frames[Number(frames.value)])},
-      details.frames.map((frame, i) => h('option', {value: i}, `${frame.frame}${frame.difference ? ', differs' : ''}`)));
-    const pictures = h('div.pictures', {});
-    const figures = h('div', {});
-    const scale = h('div', {});
-    let other = null;  // the same cell of another night: {night, frames}
-    const nights = h('select', {onchange: async () => {
-      try {
-        other = nights.value ? await this.#cellOf(Number(nights.value), details) : null;
-        if (nights.value && !other) announce(`Night ${nights.value} does not have this cell`);
-      } catch (error) {
-        announce(error.message);
-      }
-      draw(details.frames[Number(frames.value)]);
-    }}, h('option', {value: ''}, 'no other night'));
-    this.#listNights(nights);
-    const draw = (frame) => {
-      replace(pictures, picture('baseline', frame?.baseline?.images.image, 'The baseline does not have it.'),
-        picture('tonight', frame?.tonight?.images.image, 'It was not replayed.'),
-        picture('difference', frame?.difference, frame?.tonight && frame?.baseline ? 'The images are equal.' : 'There is nothing to compare.'));
-      replace(scale, frame?.difference && legend(differenceScale));
-      replace(figures, frame && figuresTable(frame.baseline, frame.tonight));
-      const layers = this.#layersOf(frame, other);
-      this.#view.element.hidden = layers.length === 0;
-      if (layers.length > 0) this.#view.setLayers(layers);
-    };
-    replace(this.#cell,
-      h('div.section-head', {}, h('h2', {}, `${details.capture}, ${details.technique}`), statusPill(details.status),
-        details.frames.length > 1 && field('frame', frames), field('and of', nights),
-        h('span.spacer', {}), h('a.button', {href: trendAddress(this.#night.name, details.capture, details.technique)}, 'Trend')),
-      gatesTable(details.gates), pictures, scale, figures, this.#view.element);
-    // The first frame that differs says most.
-    const first = Math.max(0, details.frames.findIndex((frame) => frame.difference));
-    frames.value = first;
-    draw(details.frames[first]);
-    this.#cell.scrollIntoView({block: 'nearest'});
-  }
-
-  async #listNights(select) {
-    try {
-      const {nights} = await get(`/api/nights?name=${encodeURIComponent(this.#night.name)}&limit=50`);
-      for (const {id, started_utc: started} of nights) if (id !== this.#night.id) select.append(h('option', {value: id}, `night ${id}, ${when(started)}`));
-    } catch {
-      // Then there is none to choose.
-    }
-  }
-
-  async #cellOf(night, {capture, technique}) {
-    const {cells} = await get(`/api/nights/${night}`);
-    const cell = cells.find((candidate) => candidate.capture === capture && candidate.technique === technique);
-    return cell ? {night, frames: (await get(`/api/nights/${night}/cells/${cell.id}`)).frames} : null;
-  }
-
-  // Baseline and tonight, their error maps, and the image of another night.
-  #layersOf(frame, other) {
-    const layers = [];
-    const add = (result, label, roles) => {
-      if (!result) return;
-      const row = {label, entry: this.#registry.find(({name}) => name === result.technique)};
-      for (const role of roles) layers.push(layerOf(`${label}:${role}`, row, result, role));
-    };
-    add(frame?.baseline, 'baseline', ['image']);
-    add(frame?.tonight, 'tonight', ['image']);
-    add(other?.frames.find((candidate) => candidate.frame === frame?.frame)?.tonight, `night ${other?.night}`, ['image']);
-    add(frame?.baseline, 'baseline', ['error']);
-    add(frame?.tonight, 'tonight', ['error', 'shading']);
-    return layers.filter(Boolean);
   }
 }
 
@@ -221,35 +191,4 @@ function dayPictures(techniques) {
   const choice = h('select', {onchange: () => draw(shown[choice.selectedIndex])}, shown.map(({technique}) => h('option', {}, technique)));
   draw(shown[0]);
   return [h('div.choices', {}, field('Pictures by', choice)), pictures];
-}
-
-function picture(title, blob, absent) {
-  return h('figure', {}, h('figcaption', {}, title),
-    blob ? h('a', {href: blobUrl(blob)}, h('img', {src: blobUrl(blob), alt: title})) : h('div.none', {}, absent));
-}
-
-function gatesTable(gates) {
-  return h('div.scroll', {}, h('table.gates', {}, h('thead', {}, h('tr', {}, ['Gate', 'Outcome', 'Why'].map((name) => h('th', {scope: 'col'}, name)))),
-    h('tbody', {}, gates.map((gate) => h('tr', {},
-      h('th', {scope: 'row'}, gate.gate), h('td', {}, statusPill(gate.outcome)), h('td', {}, gate.detail))))));
-}
-
-const figures = [
-  ['published bytes per pixel', (r) => significant(r.memory.paper_bytes_per_pixel, 5)],
-  ['fitted bytes per pixel', (r) => significant(r.memory.fitted_bytes_per_pixel, 5)],
-  ['allocated', (r) => bytes(r.memory.allocated_bytes)],
-  ['lighting executions', (r) => count(r.shading.executions)],
-  ['ms', (r) => fixed(r.ms.total, 2)],
-  ['MSE', (r) => scientific(r.error.mse ?? NaN)],
-  ['FLIP, mean', (r) => fixed(r.error.flip_mean ?? NaN, 5)],
-];
-
-function figuresTable(before, now) {
-  const counters = [...new Set([before, now].flatMap((result) => Object.keys(result?.counters ?? {})))];
-  const rows = [...figures, ...counters.map((name) => [name, (r) => count(r.counters[name])])].map(([name, text]) =>
-    [name, before ? text(before) : '–', now ? text(now) : '–']);
-  return h('details', {}, h('summary', {}, 'Figures of this frame'), h('div.scroll', {}, h('table', {}, h('thead', {}, h('tr', {},
-    h('th', {scope: 'col'}, ''), h('th.number', {scope: 'col'}, 'Baseline'), h('th.number', {scope: 'col'}, 'Tonight'))),
-  h('tbody', {}, rows.map(([name, a, b]) => h('tr', {class: a === b ? '' : 'differs'},
-    h('th', {scope: 'row'}, name), h('td.number', {}, a), h('td.number', {}, b)))))));
 }

@@ -53,7 +53,7 @@ export class OverFrames {
   #plot = null;
   #made = '';          // what the plot was made for; other data go into the same one
   #closed = false;
-  #hidden = new Set(); // labels of lines that are off
+  #hidden;             // labels of lines that are off
   #data = {frames: [], series: []};
   #frame = 0;
   #frameLine = h('div.frame-line', {});
@@ -61,9 +61,10 @@ export class OverFrames {
   #later = new Later(this.#place, () => this.#render());
   #resize = new ResizeObserver(() => this.#plot?.setSize({width: this.#place.clientWidth, height: plotHeight}));
 
-  /** `chosen`: {measure, log}; `on.change(chosen)`, `on.frame(frame)`. */
+  /** `chosen`: {measure, log, hidden: labels of lines that are off}; `on.change(chosen)`, `on.frame(frame)`. */
   constructor(chosen, name, on) {
     this.#chosen = chosen;
+    this.#hidden = new Set(chosen.hidden);
     this.#on = on;
     this.element = h('div', {}, h('div.choices', {},
       h('label', {}, h('span', {}, 'Show'), h('select', {'aria-label': 'Measure over frames', onchange: (event) => this.#choose({measure: event.target.value})}, measureOptions(chosen.measure, choices))),
@@ -109,7 +110,7 @@ export class OverFrames {
       key.style.background = colour;
       return h('button.series-key', {type: 'button', 'aria-pressed': String(!this.#hidden.has(label)), onclick: () => {
         if (!this.#hidden.delete(label)) this.#hidden.add(label);
-        this.#render();
+        this.#choose({hidden: [...this.#hidden]});
       }}, key, label);
     }));
   }

@@ -15,7 +15,7 @@ const framesAhead = {playing: 3, still: 1};
 
 export class RunImages {
   view;
-  story = new PixelStory(() => this.#address.set({pixel: null}));
+  story = new PixelStory((pixel) => this.#chooseBeside(pixel));
   chips = h('div.chips', {role: 'group', 'aria-label': 'What is shown'});
   state = h('p.quiet', {role: 'status'});
   files = h('p.files', {});
@@ -29,6 +29,7 @@ export class RunImages {
   #chipsFor = '';
   #filesFor = '';
   #playing = false;
+  #told = null;  // {x, y, row, frame}: whose story is told
   #later = [new Later(this.files, () => this.#drawFiles()), new Later(this.details, () => this.#drawDetails())];
 
   /** `shown` {run, rows, row, frame} is followed: draw() shows what it says then. */
@@ -65,15 +66,28 @@ export class RunImages {
   #choose({x, y, layer}) {
     const {rows, row, frame} = this.#shown;
     const place = layer?.key.split(':')[0] ?? '*';  // a layer's key begins with its row, or "*" for the selected one
-    const chosen = {x, y, row: place === '*' || !rows[place] ? row : Number(place), frame};
-    this.#address.set({pixel: [x, y, chosen.row, frame].join(',')});
-    this.#tell(chosen);
+    this.#tell({x, y, row: place === '*' || !rows[place] ? row : Number(place), frame});
   }
 
-  #tell({x, y, row, frame}) {
+  // From the story itself: another pixel of the same row and frame, or null when it was closed.
+  #chooseBeside(pixel) {
+    if (pixel) return this.#tell({...this.#told, ...pixel});
+    this.#told = null;
+    this.#address.set({pixel: null});
+    this.view.mark(null);
+  }
+
+  #tell(told) {
+    this.#told = told;
+    const {x, y, row, frame} = told;
     const {run, rows} = this.#shown;
     const {technique, parameters} = rows[row];
-    this.story.show(run, technique, parameters, frame, {x, y});
+    const {samples, reference_samples: reference, point_lights: lights} = run.request;
+    const {width, height} = run.head ?? run.request;
+    this.#address.set({pixel: [x, y, row, frame].join(',')});
+    this.view.mark({x, y});
+    this.story.show({hash: run.capture.hash, technique, parameters, samples, frame, width: width || undefined, height: height || undefined,
+      reference_samples: reference === 0 ? 0 : undefined, point_lights: lights}, {x, y});
   }
 
   get #result() {

@@ -9,7 +9,7 @@ import {Later} from './later.js';
 import {measured, measureOf} from './measures.js';
 import {OverFrames} from './over_frames.js';
 import {Playback} from './playback.js';
-import {saveReport} from './report.js';
+import {panelParts, picturePart, printed, saveReport, tableHtml} from './report.js';
 import {passBars} from './result_details.js';
 import {arrange, ResultsTable, tableMarkdown} from './results_table.js';
 import {factsOf, RunHead} from './run_head.js';
@@ -83,9 +83,9 @@ class RunPage {
     if (!measureOf(plot.x)) plot.x = 'total';
     if (!measureOf(plot.y)) plot.y = 'mse';
     this.#scatter = new Scatter(plot, name, {select: (row) => this.#setRow(row), change: ({x, y, logX, logY}) => address.set({across: x, upwards: y, logx: logX, logy: logY})});
-    const lines = {measure: address.text('lines', referenced ? 'mse' : 'total'), log: address.flag('loglines')};
+    const lines = {measure: address.text('lines', referenced ? 'mse' : 'total'), log: address.flag('loglines'), hidden: address.text('without').split('~').filter(Boolean)};
     if (!measureOf(lines.measure)) lines.measure = 'total';
-    this.#lines = new OverFrames(lines, name, {frame: (frame) => this.#setFrame(frame), change: ({measure, log}) => address.set({lines: measure, loglines: log})});
+    this.#lines = new OverFrames(lines, name, {frame: (frame) => this.#setFrame(frame), change: ({measure, log, hidden}) => address.set({lines: measure, loglines: log, without: hidden.join('~')})});
     this.#scatter.controls.append(h('a.button', {href: `/api/runs/${run.id}/points.csv`, download: `${name}-points.csv`}, 'Points as CSV'),
       h('a.button', {href: `/api/runs/${run.id}/points.md`, download: `${name}-points.md`}, 'Points as Markdown'));
   }
@@ -101,7 +101,7 @@ class RunPage {
       h('p.crumbs', {}, h('a', {href: '#/runs'}, 'Runs'), ' / ', h('a', {href: `#/captures/${run.capture.hash}`}, title)),
       h('div.section-head.first', {}, h('h1', {}, `Run ${run.id}`, h('span.quiet', {}, ` ${title}`)), h('span.spacer', {}),
         field('beside', this.#otherSelect),
-        h('button', {type: 'button', onclick: () => this.#copyAddress()}, 'Copy address'), h('button', {type: 'button', onclick: () => this.#report()}, 'Report')),
+        h('button', {type: 'button', onclick: () => this.#address.copy()}, 'Copy address'), h('button', {type: 'button', onclick: () => this.#report()}, 'Report')),
       this.#head.progress,
       h('div.section-head', {}, h('h2', {}, 'Figures'), last > first && h('label.check', {}, this.#means, 'means over all frames'),
         field('filter', this.#filter), field('group', group), h('span.spacer', {}),
@@ -161,7 +161,7 @@ class RunPage {
       {keys: ['a'], text: 'means over all frames', act: () => this.#setMeans(!this.#overFrames)},
       {keys: ['/'], text: 'filter the figures', act: () => this.#filter.focus()},
       {keys: ['r'], text: 'report of what is on the screen', act: () => this.#report()},
-      {keys: ['y'], text: 'copy the address of this view', act: () => this.#copyAddress()},
+      {keys: ['y'], text: 'copy the address of this view', act: () => this.#address.copy()},
     ]);
     setKeys('Picture', viewKeys(this.#images.view));
     setKeys('On the picture', viewHints);
@@ -278,16 +278,6 @@ class RunPage {
     else this.#setOrder({sort: '', descending: false});
   }
 
-  async #copyAddress() {
-    this.#address.write();
-    try {
-      await navigator.clipboard.writeText(location.href);
-      announce('The address of this view is copied');
-    } catch {
-      announce('The address bar has the address of this view');
-    }
-  }
-
   // Drawing -------------------------------------------------------------------------------------------------------
 
   #drawTechniques() {
@@ -352,13 +342,18 @@ class RunPage {
     const {run, frame} = this.#shown;
     const {groups, summary, note} = this.#figures();
     const [first, last] = run.request.frames;
-    const {view} = this.#images;
+    const {view, story} = this.#images;
     const labels = view.layers.map(({label}, i) => `${i + 1} ${label}`).join(', ');
     saveReport(`run-${run.id}`, {
       title: `Run ${run.id}: ${run.capture.title || run.capture.name}`, address: location.href, facts: [...factsOf(run), ['frame', frame]],
-      table: tableMarkdown(groups, summary), note, picture: view.pictureUrl(), caption: `Frame ${frame}; ${view.state.mode}; layers ${labels}`,
-      plots: [{title: 'Measure against measure', svg: this.#scatter.text()}, ...(last > first ? [{title: `Over frames: ${this.#lines.title}`, svg: this.#lines.text()}] : [])],
+      parts: [
+        {title: 'Figures', html: `${tableHtml(tableMarkdown(groups, summary))}${printed(h('p', {}, note))}`},
+        picturePart(view, `Frame ${frame}; ${view.state.mode}; layers ${labels}`), ...panelParts(view),
+        !story.element.hidden && {html: printed(story.element)},
+        {title: 'Measure against measure', html: this.#scatter.text()},
+        last > first && {title: `Over frames: ${this.#lines.title}`, html: this.#lines.text()},
+        this.#passes.parentElement.open && {title: 'Time by pass', html: printed(this.#passes)},
+      ].filter(Boolean),
     });
-    announce('The report is saved');
   }
 }

@@ -5,6 +5,7 @@ import {announce, h, replace} from './dom.js';
 import {significant, when} from './format.js';
 import {setKeys} from './keys.js';
 import {loadPlots} from './over_frames.js';
+import {printed, saveReport} from './report.js';
 import {tickText} from './svg.js';
 
 const plotHeight = 190;
@@ -44,12 +45,17 @@ class TrendsPage {
     this.#name = query.get('name') ?? '';
     this.#cell = {capture: query.get('capture') ?? '', technique: query.get('technique') ?? ''};
     this.element = h('section.trends', {}, h('p.crumbs', {}, h('a', {href: '#/nights'}, 'Nights')), this.#head,
-      h('div.choices', {}, h('label', {}, h('span', {}, 'Cell'), this.#choice), h('span.spacer', {}), this.#csv, this.#csvAll),
+      h('div.choices', {}, h('label', {}, h('span', {}, 'Cell'), this.#choice), h('span.spacer', {}), h('button', {type: 'button', onclick: () => this.#report()}, 'Report'), this.#csv, this.#csvAll),
       h('p.quiet.note', {}, 'Shaded: what the gates allowed. Full lines upright: an approved night. Dashed: another commit. Red: a number that moved.'), this.#body);
     setKeys('Trends', [
       {keys: ['n'], text: 'next cell', act: () => this.#open(this.#choice.selectedIndex + 1)},
       {keys: ['p'], text: 'previous cell', act: () => this.#open(this.#choice.selectedIndex - 1)},
+      {keys: ['r'], text: 'report of what is on the screen', act: () => this.#report()},
     ]);
+  }
+
+  #report() {
+    saveReport(`trends-${this.#name}`, {title: `Trends of ${this.#name}: ${this.#choice.selectedOptions[0]?.textContent ?? ''}`, address: location.href, parts: [{html: printed(this.#body)}]});
   }
 
   async load() {

@@ -1,5 +1,7 @@
 // What is on the screen, in the address: "#/runs/7?frame=3&mode=side". Such an address restores it whole.
 
+import {announce} from './dom.js';
+
 const [path, query] = [() => location.hash.split('?')[0], () => location.hash.split('?')[1] ?? ''];
 
 export class ViewAddress {
@@ -31,6 +33,17 @@ export class ViewAddress {
     document.body.dataset.address = 'due';  // for tests
   }
 
+  /** Puts it on the clipboard. */
+  async copy() {
+    this.write();
+    try {
+      await navigator.clipboard.writeText(location.href);
+      announce('The address of this view is copied');
+    } catch {
+      announce('The address bar has the address of this view');
+    }
+  }
+
   write() {
     clearTimeout(this.#timer);
     this.#timer = 0;
@@ -44,7 +57,7 @@ export class ViewAddress {
 // The comparison's state by the names it has in the address.
 const numbers = {a: 'a', b: 'b', share: 'line', scale: 'zoom', cx: 'x', cy: 'y', gain: 'gain', exposure: 'ev', low: 'low', high: 'high'};
 const texts = {mode: 'mode', measure: 'measure', tone: 'tone', channel: 'channel', palette: 'colours'};
-const flags = {signed: 'signed', falseColour: 'false', log: 'log', magnify: 'magnifier'};
+const flags = {signed: 'signed', falseColour: 'false', log: 'log', magnify: 'magnifier', worst: 'worst'};
 const usual = {a: 0, b: 1, share: 0.5, scale: 0, gain: 4, exposure: 0, mode: 'wipe', measure: 'largest', tone: 'none', channel: 'all'};
 const boxParts = ['x', 'y', 'width', 'height'];
 

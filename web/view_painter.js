@@ -19,6 +19,7 @@ export class ViewPainter {
   #labelled = '';       // what the labels were drawn for
   #region = null;       // values drawn into large pixels: {key, rows, x, y}
   #redraw;
+  marked = null;        // {x, y}: the pixel whose story is told
 
   /** `redraw()` is called when something that was awaited has come. */
   constructor(geometry, state, redraw) {
@@ -85,6 +86,7 @@ export class ViewPainter {
     context.translate(cell.x, cell.y);
     if (place.scale >= gridFrom) this.#drawGrid(context, place, cell);
     if (place.scale >= valuesFrom) this.#drawValues(context, place, cell, picture?.layers[0]);
+    if (this.marked) this.#drawMark(context, place);
     const {box} = this.#state;
     if (box) {
       for (const [colour, width] of [['#000', 4], ['#ffd23f', 2]]) {
@@ -97,6 +99,17 @@ export class ViewPainter {
     context.fillStyle = '#fff';
     if (cell.x > 0) context.fillRect(cell.x - 0.5, cell.y, 1, cell.height);
     if (cell.y > 0) context.fillRect(cell.x, cell.y - 0.5, cell.width, 1);
+  }
+
+  // A frame around the marked pixel, and around that one that is seen however small the pixel is.
+  #drawMark(context, place) {
+    const [x, y] = [place.x + this.marked.x * place.scale, place.y + this.marked.y * place.scale];
+    const around = Math.max(0, (11 - place.scale) / 2);
+    for (const [colour, width] of [['#000', 4], ['#fff', 2]]) {
+      context.strokeStyle = colour;
+      context.lineWidth = width;
+      context.strokeRect(x - around, y - around, place.scale + 2 * around, place.scale + 2 * around);
+    }
   }
 
   #drawGrid(context, place, cell) {

@@ -12,7 +12,7 @@ export const signless = ['largest', 'flip'];
 export const channels = {all: 'colour', r: 'red', g: 'green', b: 'blue', luminance: 'luminance'};
 /** How numbers are coloured when nothing was chosen. */
 export const plainLook = {exposure: 0, tone: 'none', channel: 'all', falseColour: false, log: false, palette: '', low: null, high: null};
-export const firstState = {mode: 'wipe', a: 0, b: 1, share: 0.5, scale: 0, cx: null, cy: null, box: null, measure: 'largest', signed: false, gain: 4, magnify: false, ...plainLook};
+export const firstState = {mode: 'wipe', a: 0, b: 1, share: 0.5, scale: 0, cx: null, cy: null, box: null, measure: 'largest', signed: false, gain: 4, magnify: false, worst: false, ...plainLook};
 
 export const isMap = (layer) => layer?.kind === 'map';
 /** A layer as the worker wants it. */

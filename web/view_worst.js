@@ -15,16 +15,22 @@ function differing({mode, a, b}, layers) {
 export class WorstPlaces {
   element = h('section.worst-panel', {});
   #goTo;
+  #close;
+  #listed = '';  // what is listed, or on its way
 
-  /** `goTo(x, y)` is called for a place that was chosen. */
-  constructor(goTo) {
+  /** `goTo(x, y)` is called for a place that was chosen, `close()` for the list to be closed. */
+  constructor(goTo, close) {
     this.#goTo = goTo;
+    this.#close = close;
   }
 
-  /** Lists them, of the layer that is shown or else the first that has an error; or closes the list. */
-  async toggle(state, layers) {
-    if (this.element.hasChildNodes()) return replace(this.element);
+  /** Lists them where `state` wants that, of the layer that is shown or else the first that has an error. */
+  async follow(state, layers) {
     const layer = [differing(state, layers), layers[state.a], ...layers].find((candidate) => candidate && (candidate.reference || isMap(candidate)));
+    const listed = state.worst ? JSON.stringify([layer?.url, layer?.reference?.url, layer?.label, layer && coloured(state, layer).request.look]) : '';
+    if (listed === this.#listed) return;
+    this.#listed = listed;
+    if (!state.worst) return replace(this.element);
     if (!layer) return replace(this.element, h('p.quiet', {}, 'None of these layers has an error: there is no reference.'));
     let places;
     let picture;
@@ -33,11 +39,13 @@ export class WorstPlaces {
       const {operation, request} = coloured(state, layer);
       picture = await bitmap(operation, request);
     } catch (error) {
-      return replace(this.element, h('p.problem', {}, error.message));
+      if (listed === this.#listed) replace(this.element, h('p.problem', {}, error.message));
+      return;
     }
+    if (listed !== this.#listed) return;  // something else is shown meanwhile
     replace(this.element, h('div.section-head', {}, h('h3', {}, `Worst places of ${layer.label}`),
-      h('button.plain', {type: 'button', onclick: () => replace(this.element)}, 'Close the list')),
-    places.length === 0 ? h('p.quiet', {}, 'There are none: it is 0 everywhere.') : h('ol.worst', {}, places.map((place, i) => this.#item(place, i, picture.bitmap))));
+      h('button.plain', {type: 'button', onclick: this.#close}, 'Close the list')),
+    places.length === 0 ? h('p.quiet', {}, 'There are none: it is 0 everywhere.') : [h('p.quiet.note', {}, 'Squares of 16×16 pixels, largest sums first; the number and the place are those of the largest pixel in each.'), h('ol.worst', {}, places.map((place, i) => this.#item(place, i, picture.bitmap)))]);
   }
 
   #item({x, y, value}, i, picture) {

@@ -78,7 +78,9 @@ std::string head(const Measured& measured, const std::string& command, const std
          "the format in\n"
          "the paper; kept is what our passes of that form hold over the frame, lists and triangle numbers included; "
          "allocated is the peak\n"
-         "with the images that come out and the maps. Frames of games have [a page of their own](games.md).\n\n";
+         "with the images that come out and the maps. Frames of games have [a page of their own](games.md): [do the "
+         "publications' claims hold\n"
+         "there, too?](games.md#do-the-publications-claims-hold-on-frames-of-a-real-game)\n\n";
 }
 
 // "3. streaming: three surfaces look like 8x MSAA", and the anchor that Markdown readers make of a heading.

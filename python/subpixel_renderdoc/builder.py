@@ -8,7 +8,7 @@ class Builder:
     def __init__(self):
         self.capture = Capture(metadata=Metadata())
         self._buffers, self._textures, self._materials = {}, {}, {}
-        self.texture_of = {}   # (resource, role, sampler) -> number or None, of one .rdc
+        self.texture_of = {}   # (resource, role, sampler) -> number or None, alpha, what to say; of one .rdc
 
     def buffer(self, data, name=""):
         """The number of a buffer of these bytes."""

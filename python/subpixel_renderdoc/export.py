@@ -335,18 +335,25 @@ class FrameExport:
             sampler = self.replay.sampler(slot, name)
             key = (str(resource), role, sampler)
             if key not in self.builder.texture_of:
-                texture, reason = textures.read(self.replay, resource, role, sampler)
-                if texture is None:
-                    self.notices.draw("approximated: a texture is missing, as " + reason, entry.name)
-                    self.builder.texture_of[key] = (None, None)
-                else:
-                    texture.name = "{} {}".format(name, str(resource).split(":")[-1])
-                    self.builder.texture_of[key] = (self.builder.texture(texture), textures.has_alpha(texture))
-            number, alpha = self.builder.texture_of[key]
+                self.builder.texture_of[key] = self._texture(resource, role, sampler, name)
+            number, alpha, reason = self.builder.texture_of[key]
+            if reason:
+                self.notices.draw(reason, entry.name)
             if number is not None:
                 entry.textures[role] = (number, alpha)
         if "base_colour" in chosen:
             entry.uv_name = textures.read_at(source, chosen["base_colour"][0])
+
+    def _texture(self, resource, role, sampler, name):
+        """Its number in the capture, whether it has alpha, and what to say of the draws that read it."""
+        texture, reason = textures.read(self.replay, resource, role, sampler)
+        if texture is None:
+            return None, None, "approximated: a texture is missing, as " + reason
+        if role == "normal" and textures.is_one_colour(texture):
+            # Some APIs want something bound where the application has no normal map.
+            return None, None, "left out: a normal map of one colour"
+        texture.name = "{} {}".format(name, str(resource).split(":")[-1])
+        return self.builder.texture(texture), textures.has_alpha(texture), ""
 
     # --- the camera
 

@@ -201,6 +201,13 @@ def has_alpha(texture):
     return texture.bytes[3::4].count(b"\xff") != len(texture.bytes) // 4
 
 
+def is_one_colour(texture):
+    """Whether all texels of an rgba8 texture are the same, alpha aside; False where the bytes are an image file."""
+    if texture.encoding != TextureEncoding.RGBA8:
+        return False
+    return all(len(set(texture.bytes[c::4])) <= 1 for c in range(3))
+
+
 _COMPARED = re.compile(r"([A-Za-z_]\w*(?:\.\w+)*)\s*(==|!=|>=|<=|>|<)\s*(-?[0-9]+\.?[0-9]*)")
 _OPERATIONS = {"==": lambda a, b: a == b, "!=": lambda a, b: a != b, ">=": lambda a, b: a >= b,
                "<=": lambda a, b: a <= b, ">": lambda a, b: a > b, "<": lambda a, b: a < b}

@@ -66,12 +66,12 @@ std::vector<gpu::Binding> bindings_of(GpuScene& scene, Work& work) {
           gpu::reads(FRAME_SLOT_UV_MAPPINGS, scene.uv_mappings)};
 }
 
-gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, gpu::Image& depth) {
+gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, gpu::Image& depth, std::uint32_t side) {
   gpu::RasterPass pass;
   pass.name = "reference visibility";
   pass.pipeline.vertex = "reference/visibility.vert";
   pass.pipeline.fragment = "reference/visibility.frag:SOLID";
-  pass.pipeline.constants = {{CONSTANT_FEATURES, scene.features().bits}};
+  pass.pipeline.constants = {{CONSTANT_FEATURES, scene.features().bits}, {REFERENCE_CONSTANT_SIDE, side}};
   pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_GREATER;  // of equal depths the first stays
   pass.pipeline.depth_write = true;
@@ -94,13 +94,15 @@ gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, g
 }
 
 gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scene, Work& work,
-                            const ReferenceOptions& options) {
+                            const ReferenceOptions& options, std::uint32_t side) {
   gpu::ComputePass pass;
   pass.name = name;
   pass.shader = shader;
   pass.constants = {{CONSTANT_FEATURES, scene.features().bits},
                     {CONSTANT_SHADING_MODEL, options.shading_model},
-                    {REFERENCE_CONSTANT_TONE_MAP_SAMPLES, options.tone_map_samples ? 1u : 0u}};
+                    {REFERENCE_CONSTANT_TONE_MAP_SAMPLES, options.tone_map_samples ? 1u : 0u},
+                    {REFERENCE_CONSTANT_SIDE, side},
+                    {REFERENCE_CONSTANT_SHADE_ALL_SAMPLES, options.shade_all_samples ? 1u : 0u}};
   pass.bindings = bindings_of(scene, work);
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_SPOT_CONES, scene.spot_cones));
   pass.push = gpu::PushConstants(push_of(pass, scene, work));
@@ -128,9 +130,10 @@ void take_story(Work& work, std::uint32_t turn, PixelReference& told) {
 
 }  // namespace
 
-std::uint64_t reference_bytes(std::uint32_t width, std::uint32_t height, bool tone_map_samples) {
-  // Two images of four triangles a pixel, and sums of four channels.
-  return std::uint64_t{width} * height * (2 * 4 * 4 + (tone_map_samples ? 3 : 2) * 16);
+std::uint64_t reference_bytes(std::uint32_t samples, std::uint32_t width, std::uint32_t height, bool tone_map_samples) {
+  // Triangles and depths of a turn's samples, and sums of four channels.
+  const std::uint64_t side = turn_side(samples, width, height);
+  return std::uint64_t{width} * height * (side * side * 2 * 4 + (tone_map_samples ? 3 : 2) * 16);
 }
 
 ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
@@ -140,6 +143,7 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   const auto width = static_cast<std::uint32_t>(scene.constants().viewport.x);
   const auto height = static_cast<std::uint32_t>(scene.constants().viewport.y);
   const std::uint64_t pixels = std::uint64_t{width} * height;
+  const std::uint32_t side = turn_side(options.samples, width, height);
 
   Work work;
   {
@@ -156,8 +160,8 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
 
   gpu::PassRecorder turns(device), finish(device);
   gpu::ImageDescription target;
-  target.width = 2 * width;
-  target.height = 2 * height;
+  target.width = side * width;
+  target.height = side * height;
   target.name = "reference triangles seen";
   target.format = VK_FORMAT_R32_UINT;
   target.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
@@ -168,10 +172,10 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   gpu::Image& depth = turns.image(target);
 
   device.ledger().require("reference", work.sums.bytes() + work.compensation.bytes() + work.display_sums.bytes());
-  turns.raster(visibility_pass(scene, work, seen, depth));
+  turns.raster(visibility_pass(scene, work, seen, depth, side));
   gpu::ComputePass accumulate =
       pixel_pass("reference shading", options.story ? "reference/accumulate.comp:STORY" : "reference/accumulate.comp",
-                 scene, work, options);
+                 scene, work, options, side);
   if (options.story != nullptr) {
     work.story = gpu::Buffer(device, "reference story", sizeof(gpu_types::ReferenceStory));
     work.story.as<gpu_types::ReferenceStory>()[0].head = {options.story->pixel, 0, 0};
@@ -180,9 +184,9 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   accumulate.bindings.push_back(gpu::samples(REFERENCE_SLOT_SEEN, seen));
   accumulate.bindings.push_back(gpu::samples(FRAME_SLOT_SHADOW_MAP, scene.shadow_map, &scene.shadow_sampler));
   turns.compute(std::move(accumulate));
-  finish.compute(pixel_pass("reference mean", "reference/finish.comp", scene, work, options));
+  finish.compute(pixel_pass("reference mean", "reference/finish.comp", scene, work, options, side));
 
-  const auto constants = turn_constants(options.samples / 4, width, height);
+  const auto constants = turn_constants(options.samples / (side * side), side, width, height);
   for (std::uint32_t i = 0; i < constants.size(); ++i) {
     work.turn.as<gpu_types::TurnConstants>()[0] = constants[i];
     turns.run();

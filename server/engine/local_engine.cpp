@@ -7,18 +7,13 @@
 #include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "server/engine/replay_engine.hpp"
+#include "server/engine/worker_place.hpp"
 #include "server/store/worker_files.hpp"
 
 namespace subpixel::server {
 namespace {
 
 using nlohmann::json;
-
-std::string last_line(std::string_view text) {
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.remove_suffix(1);
-  const std::size_t line = text.rfind('\n');
-  return printable(line == std::string_view::npos ? text : text.substr(line + 1), 500);
-}
 
 int exit_code_from(const JsonField& message) {
   const std::uint64_t code = message.has("exit") ? message.member("exit").u64() : 0;
@@ -33,12 +28,16 @@ WorkerEnd replay_in_worker(const replay::ReplayJob& job, const std::filesystem::
   write_file_atomically(job_file, std::string_view(replay::to_json(job).dump()));
   WorkerEnd ended;
   std::string error;
+  WorkerPlace place;
   bool done = false;
   const auto take_line = [&](std::string_view line) {
     try {
       const json document = parse_json_document(line, "worker message", "the line");
       const JsonField message(document, "worker message");
       const std::string type = message.member("type").text();
+      if (type == "progress") {
+        place.progress(message.member("stage").text(), message.has("detail") ? message.member("detail").text() : "");
+      }
       if (type == "head") ended.end.head = replay::results_head_from_json(message.member("head").raw());
       if (type == "result") {
         const std::uint32_t ordinal = message.member("ordinal").u32();
@@ -74,9 +73,7 @@ WorkerEnd replay_in_worker(const replay::ReplayJob& job, const std::filesystem::
   if (!error.empty()) {
     ended.end.problem = error;
   } else if (!outcome.reason.empty()) {
-    ended.end.problem = outcome.reason;
-    const std::string words = last_line(outcome.error_tail);
-    if (!words.empty()) ended.end.problem += "; its last words: " + words;
+    ended.end.problem = place.end_in_words(outcome);
   } else if (!done) {
     ended.end.problem = "the worker process ended without saying that it was done";
   }

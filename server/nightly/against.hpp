@@ -4,13 +4,17 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "process/child_process.hpp"
 #include "server/nightly/config.hpp"
+#include "server/nightly/gates.hpp"
 #include "server/nightly/night.hpp"
+#include "server/nightly/planned_capture.hpp"
 
 namespace subpixel::server {
 
@@ -29,10 +33,15 @@ nlohmann::json against_summary(const nlohmann::json& difference, const std::stri
 nlohmann::json difference_in_worker(const std::filesystem::path& yesterday, const std::filesystem::path& today,
                                     const std::filesystem::path& worker, const ChildLimits& limits);
 
+// Puts into night.facts["against"], which has a member for each such capture of the night, their summaries or why there
+// is none, and stores by `compare` how the pictures of both days differ. `say` takes one line for people.
+void compare_days(NightRecord& night, const std::vector<PlannedCapture>& planned, const std::filesystem::path& worker,
+                  const ChildLimits& limits, const CompareImages& compare,
+                  const std::function<void(const std::string& line)>& say);
+
 // Adds the gates "against ..." to the cells of every capture that night.facts["against"] has a summary of: draws,
 // triangles and materials to the first, memory, executions and error to each, and to the summary what was measured of
-// both
-// (`triangles`, `techniques`). Call it after judge().
+// both (`triangles`, `techniques`). Call it after judge().
 void judge_against(NightRecord& night, const GateOptions& options);
 
 // The summaries of a night as Markdown, for a wiki or a pull request; empty when there are none. `address` is the

@@ -1,6 +1,6 @@
 // variants: = STORY=-DSTORY
-// Computes: one turn's colour of each pixel. Each triangle that some of the pixel's four samples see is shaded once, at the
-// place of one of them (another one each turn, so that over all turns shading points cover the pixel evenly).
+// Computes: one turn's colour of each pixel. Each triangle that some of the pixel's samples see is shaded once, at the
+// place of one of them (another one each turn, so that over all turns shading points cover what is seen of it evenly).
 // Reads: the triangle seen by each sample, geometry, materials, textures, lights, shadow map.
 // Writes: adds to the sums, with Kahan's compensation; STORY, what one pixel was shaded by.
 #version 460
@@ -12,6 +12,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "reference/textures.glsl"
 
 layout(constant_id = REFERENCE_CONSTANT_TONE_MAP_SAMPLES) const uint TONE_MAP_SAMPLES = 0u;
+layout(constant_id = REFERENCE_CONSTANT_SHADE_ALL_SAMPLES) const uint SHADE_ALL_SAMPLES = 0u;
 layout(set = 0, binding = SAMPLED(REFERENCE_SLOT_SEEN)) uniform usampler2D visibility;
 #ifdef STORY
 layout(set = 0, binding = STORAGE(REFERENCE_SLOT_STORY), std430) buffer Story { ReferenceStory told; };
@@ -62,23 +63,41 @@ vec3 shade_at(uint number, vec2 point) {
   return shade(s, to_eye * inversesqrt(max(dot(to_eye, to_eye), 1e-30)));
 }
 
+// The triangle that sample `s` of a pixel sees, plus 1; 0 for the sky.
+uint seen_by(uvec2 pixel, uint s) { return texelFetch(visibility, ivec2(SIDE * pixel + cell_of(s)), 0).r; }
+
+// The one of the samples `same` that their triangle is shaded at.
+uint shaded_of(uint same) {
+  uint count = uint(bitCount(same));
+  uint before = min(uint(turn.choice.x * float(count)), count - 1u), found = 0u;
+  for (uint s = 0u; s < SAMPLES_OF_TURN; ++s) {
+    bool sees = (same >> s & 1u) != 0u;
+    if (sees && before == 0u) found = s;
+    if (sees) --before;  // past 0 it is 0 never again
+  }
+  return found;
+}
+
 void main() {
   uvec2 pixel = gl_GlobalInvocationID.xy;
   uvec2 size = uvec2(frame.viewport.xy);
   if (pixel.x >= size.x || pixel.y >= size.y) return;
-  uvec4 seen;
-  for (int s = 0; s < 4; ++s) seen[s] = texelFetch(visibility, 2 * ivec2(pixel) + ivec2(s & 1, s >> 1), 0).r;
-  uint remaining = (seen.x != 0u ? 1u : 0u) | (seen.y != 0u ? 2u : 0u) | (seen.z != 0u ? 4u : 0u) |
-                   (seen.w != 0u ? 8u : 0u);
-  float sky_samples = float(4 - bitCount(remaining));
+  uint seen[16], remaining = 0u;
+  for (uint s = 0u; s < SAMPLES_OF_TURN; ++s) {
+    seen[s] = seen_by(pixel, s);
+    remaining |= (seen[s] != 0u ? 1u : 0u) << s;
+  }
+  float sky_samples = float(int(SAMPLES_OF_TURN) - bitCount(remaining));
   vec3 radiance = frame.sky.rgb * sky_samples, display = vec3(0.0);
   if (TONE_MAP_SAMPLES != 0u) display = display_from_radiance(frame.sky.rgb) * sky_samples;
-  uint start = turn.number.x & 3u;
-  for (int i = 0; i < 4 && remaining != 0u; ++i) {
-    uint first = (uint(findLSB((remaining | remaining << 4) >> start)) + start) & 3u;
-    uint number = first < 2u ? (first == 0u ? seen.x : seen.y) : (first == 2u ? seen.z : seen.w);
-    uint same = remaining & ((seen.x == number ? 1u : 0u) | (seen.y == number ? 2u : 0u) |
-                             (seen.z == number ? 4u : 0u) | (seen.w == number ? 8u : 0u));
+  for (uint i = 0u; i < SAMPLES_OF_TURN && remaining != 0u; ++i) {
+    uint first = uint(findLSB(remaining)), number = seen_by(pixel, first), same = 0u;
+    for (uint s = 0u; s < SAMPLES_OF_TURN; ++s) same |= (seen[s] == number ? 1u : 0u) << s;
+    if (SHADE_ALL_SAMPLES != 0u) {
+      same = 1u << first;
+    } else {
+      first = shaded_of(same);
+    }
     remaining &= ~same;
     float count = float(bitCount(same));
     vec3 shaded = shade_at(number - 1u, vec2(pixel) + sample_place(first));
@@ -95,10 +114,10 @@ void main() {
   }
   uint place = pixel.y * size.x + pixel.x;
   vec3 sum = push.sums.at[place].rgb;
-  precise vec3 term = radiance * 0.25 - push.compensation.at[place].rgb;
+  precise vec3 term = radiance / float(SAMPLES_OF_TURN) - push.compensation.at[place].rgb;
   precise vec3 next = sum + term;
   precise vec3 lost = (next - sum) - term;
   push.sums.at[place] = vec4(next, 0.0);
   push.compensation.at[place] = vec4(lost, 0.0);
-  if (TONE_MAP_SAMPLES != 0u) push.display_sums.at[place] += vec4(display * 0.25, 0.0);
+  if (TONE_MAP_SAMPLES != 0u) push.display_sums.at[place] += vec4(display / float(SAMPLES_OF_TURN), 0.0);
 }

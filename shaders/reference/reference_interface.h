@@ -5,6 +5,8 @@
 #include "../include/interface.h"
 
 #define REFERENCE_CONSTANT_TONE_MAP_SAMPLES 7  // 1: also sum the display values of shading samples
+#define REFERENCE_CONSTANT_SIDE 8  // samples of a turn in each row and column of a pixel, 2 or 4
+#define REFERENCE_CONSTANT_SHADE_ALL_SAMPLES 9  // 1: shade a triangle at each of a turn's samples that see it
 
 // Storage; materials, mappings and cones are where the frame has them.
 #define REFERENCE_SLOT_TURN 0
@@ -38,22 +40,23 @@ struct TextureLevel {
 // A texture is its first level's number | levels << 24; none:
 #define REFERENCE_NO_TEXTURE 0xffffffffu
 
-// One turn: the image drawn at twice the width and height, so that four texels' centres are samples of each pixel, and
-// shifted by less than half a texel.
+// One turn: the image drawn at two or four times the width and height, so that four or sixteen texels' centres are
+// samples of each pixel, and shifted by less than half a texel.
 struct TurnConstants {
   vec4 shift;    // x, y in pixels; z, w the same in clip space, for w 1
-  uvec4 number;  // x: number of the turn, y: turns in all
+  uvec4 number;  // x: number of the turn, y: turns in all, z: side
+  vec4 choice;   // x in [0, 1): which of a turn's samples that see a triangle it is shaded at, as a share of them
 };
 
 // What one pixel was shaded by in a turn.
 struct ReferenceShading {
-  uvec4 of;  // the triangle's number, those of the four samples that see it
+  uvec4 of;  // the triangle's number, those of the turn's samples that see it
   vec4 at;   // in the pixel, 0 to 1 each way
   vec4 radiance;
 };
 struct ReferenceStory {
   uvec4 head;  // pixel, shadings
-  ReferenceShading shading[4];
+  ReferenceShading shading[16];
 };
 
 // Members are in triangles.glsl.
@@ -86,8 +89,8 @@ struct ReferencePush {
 #ifdef __cplusplus
 static_assert(sizeof(ReferencePush) == 104);
 static_assert(sizeof(ReferenceTriangle) == 16);
-static_assert(sizeof(TurnConstants) == 32);
-static_assert(sizeof(ReferenceStory) == 16 + 4 * 48);
+static_assert(sizeof(TurnConstants) == 48);
+static_assert(sizeof(ReferenceStory) == 16 + 16 * 48);
 }  // namespace subpixel::gpu_types
 #endif
 #endif

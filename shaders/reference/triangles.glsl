@@ -26,8 +26,15 @@ layout(set = 0, binding = STORAGE(REFERENCE_SLOT_LEVELS), std430) readonly buffe
 layout(set = 0, binding = STORAGE(REFERENCE_SLOT_MATERIAL_TEXTURES), std430) readonly buffer MaterialTextures { uvec4 material_textures[]; };
 layout(set = 0, binding = STORAGE(FRAME_SLOT_UV_MAPPINGS), std430) readonly buffer UvMappings { UvMappingRecord uv_mappings[]; };
 
-// Where sample `s` of this turn lies in its pixel: samples 0 1 over 2 3, each somewhere in its quarter.
-vec2 sample_place(uint s) { return 0.25 + 0.5 * vec2(s & 1u, s >> 1) - turn.shift.xy; }
+layout(constant_id = REFERENCE_CONSTANT_SIDE) const uint SIDE = 2u;
+const uint SAMPLES_OF_TURN = SIDE * SIDE;
+
+// Samples 0 1 over 2 3 of a pixel's quarter, quarters 0 1 over 2 3 likewise (Morton's order).
+uvec2 cell_of(uint s) { return uvec2((s & 1u) | (s >> 1 & 2u), (s >> 1 & 1u) | (s >> 2 & 2u)); }
+uint sample_of(uvec2 cell) { return (cell.x & 1u) | (cell.y & 1u) << 1 | (cell.x & 2u) << 1 | (cell.y & 2u) << 2; }
+
+// Where sample `s` of this turn lies in its pixel, somewhere in its cell.
+vec2 sample_place(uint s) { return (vec2(cell_of(s)) + 0.5) / float(SIDE) - turn.shift.xy; }
 
 // Perspective-correct weights of a triangle's corners at a point, and the corners relative to it.
 struct Weights {

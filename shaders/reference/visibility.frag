@@ -30,7 +30,7 @@ float blend_threshold(uint number, uint sample_number) {
   uint hash = number * 747796405u + 2891336453u;
   hash = ((hash >> ((hash >> 28u) + 4u)) ^ hash) * 277803737u;
   hash = (hash >> 22u) ^ hash;
-  uint index = 4u * turn.number.x + sample_number;
+  uint index = SAMPLES_OF_TURN * turn.number.x + sample_number;
   uint shuffled = bitfieldReverse(scramble(bitfieldReverse(index), hash));
   uint spread = bitfieldReverse(scramble(shuffled, hash ^ 0xa511e9b3u));
   return (float(spread >> 8) + 0.5) * (1.0 / 16777216.0);
@@ -43,8 +43,8 @@ void main() {
   ReferenceTriangle t = push.triangles.at[triangle - 1u];
   MaterialRecord m = materials[t.source.z];
   uvec2 texel = uvec2(gl_FragCoord.xy);
-  uint s = (texel.x & 1u) | (texel.y & 1u) << 1;
-  vec2 point = vec2(texel >> 1) + sample_place(s);
+  uint s = sample_of(texel % SIDE);
+  vec2 point = vec2(texel / SIDE) + sample_place(s);
   float alpha = m.base_colour.a;
   if (has_feature(FEATURE_BASE_TEXTURE)) {
     Coordinates c = coordinates_of(vertices_of(t), weights_at(triangle - 1u, point), t.source.z, 0u);

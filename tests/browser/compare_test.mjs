@@ -14,6 +14,7 @@ const browser = new Browser(options.screenshots);
 const [width, height, frames, rows] = [160, 90, 12, 4];
 const service = new MadeUpService({1: {width, height, frames, rows}, 2: {width, height, frames, rows: 3}, 3: {width, height, frames: 2, rows: 2, status: 'running'},
   4: {width, height, frames: 1, rows: 2, status: 'failed', reason: 'the driver lost the device'}});
+service.nights = {1: {lights: 2}, 2: {lights: 9}};
 let page;
 
 const view = () => page.locator('.view');
@@ -332,6 +333,26 @@ const tests = [
     assert.equal(await places.count(), 1, 'the wrong pixels lie in one square of 16');
     assert.match(await places.first().getAttribute('aria-label'), /x 40, y 20, 0\.2353/);
     await browser.shot('worst-places');
+    // Fifty at most, those of the largest sums.
+    const many = await page.evaluate(async () => {
+      const {worstPlaces} = await import('/pixel_math.js');
+      const values = new Float32Array(320 * 160).map((_, i) => (Math.floor(i / 320 / 16) * 20 + Math.floor((i % 320) / 16)) / 1000);
+      const found = worstPlaces(values, 320, 160);
+      return {sums: found.map(({sum}) => Math.round(sum)), last: found.at(-1)};
+    });
+    assert.equal(many.sums.length, 50);
+    assert.deepEqual(many.sums, Array.from({length: 50}, (_, i) => Math.round(256 * (199 - i) / 1000)));
+    assert.deepEqual([many.last.x, many.last.y], [160, 112]);
+    // They follow what is shown.
+    await press('k');
+    await page.getByRole('heading', {name: 'Worst places of msaa samples=8'}).waitFor();
+    assert.match(await places.first().getAttribute('aria-label'), /0\.1569$/);
+    await press('j');
+    await page.locator('.place[aria-label$="0.2353"]').waitFor();
+    const thumbnail = await places.first().locator('canvas').evaluate((canvas) => canvas.toDataURL());
+    await press(']');
+    await page.waitForFunction((before) => (document.querySelector('.place canvas')?.toDataURL() ?? before) !== before, thumbnail);
+    await press('[');
     await places.first().click();
     await awaitParameter('zoom', '16');
     near([Number(parameters().get('x')), Number(parameters().get('y'))], [40.5, 20.5], 0.01, 'centre');
@@ -379,6 +400,12 @@ const tests = [
     await page.getByLabel('group').selectOption('technique');
     assert.deepEqual(await page.locator('.group-title').allInnerTexts(), ['noaa', 'msaa', 'streaming']);
     await page.getByLabel('group').selectOption('');
+    // Time by pass, stacked on one scale, of all techniques.
+    await page.getByText('Time by pass').click();
+    const bars = await page.locator('.pass-bars > li').evaluateAll((list) => list.map((line) => [line.querySelector('.pass-title').innerText, ...[...line.querySelectorAll('.pass-bar span')].map((part) => Math.round(parseFloat(part.style.width)))]));
+    // Frame 0 takes 20, 21, 36 and 44 ms: 2 of set-up, 10 of shading, the rest geometry.
+    assert.deepEqual(bars, [['noaa samples=1 20.0 ms', 5, 18, 23], ['msaa samples=8 21.0 ms', 5, 20, 23], ['msaa samples=4 36.0 ms', 5, 55, 23], ['streaming samples=8 44.0 ms', 5, 73, 23]]);
+    await page.getByText('Time by pass').click();
   }],
 
   ['points select their row, the front and families are drawn, any measure against any other', async () => {
@@ -436,6 +463,15 @@ const tests = [
     await page.locator('.lines canvas').waitFor();
     await page.getByLabel('Measure over frames').selectOption('flicker');
     await page.locator('.lines[data-drawn="flicker"]').waitFor();
+    const drawn = () => page.getByRole('img', {name: 'A measure over the frames'}).locator('canvas').evaluate((canvas) => canvas.toDataURL());
+    const plots = new Set();
+    for (const measure of ['mse', 'flip', 'fitted', 'executions', 'total', 'flicker']) {
+      await page.getByLabel('Measure over frames').selectOption(measure);
+      await page.locator(`.lines[data-drawn="${measure}"]`).waitFor();
+      await page.waitForTimeout(50);
+      plots.add(await drawn());
+    }
+    assert.equal(plots.size, 6, 'each is another plot');
     await page.locator('.lines').scrollIntoViewIfNeeded();
     const box = await page.locator('.lines .u-over').boundingBox();
     await page.mouse.move(box.x + box.width - 3, box.y + box.height / 2);
@@ -508,6 +544,176 @@ const tests = [
     assert.deepEqual(await labels(), before.labels);
   }],
 
+  // One pixel's story ---------------------------------------------------------------------------------------------
+  ["a pixel's story: samples, fragments with masks, steps, what was kept, lit and resolved, beside msaa and the reference", async () => {
+    await openRun('#/runs/1?row=3&layers=*:image,1:image,*:reference&mode=side&frame=4');
+    await inSight();
+    service.busy = 1;  // the service tells somebody else's first
+    const at = await place(60, 30, 1);
+    await page.mouse.click(at.x, at.y);
+    const story = page.locator('.pixel-story');
+    await story.locator('.story').nth(2).waitFor();
+    browser.forgive('503');
+    await awaitParameter('pixel', '60,30,1,4');
+    const {technique, x, y, frame, samples, point_lights: lights} = service.stories.at(-1);
+    assert.deepEqual([technique, x, y, frame, samples, lights], ['msaa:samples=8', '60', '30', '4', '4', '5'], 'of the layer that was clicked');
+    const cells = (caption, article = 0) => story.locator('.story').nth(article).locator('table', {has: page.locator('caption', {hasText: caption})}).locator('tbody tr:not([hidden])')
+      .evaluateAll((lines) => lines.map((line) => [...line.children].map((cell) => cell.innerText.trim())));
+    // What came out of all three beside each other.
+    const glance = await story.locator('.glance tbody tr').allInnerTexts();
+    assert.match(glance[0], /msaa\s+0\.500 0\.500 0\.500\s+0\.2500 0\.2500 0\.2500\s+1\s+mean of 4 samples: 3 of what is lit, 1 of the sky/);
+    assert.match(glance[2], /reference\s+0\.600 0\.200 0\.100.*mean of 8 samples/);
+    assert.equal(await story.locator('.glance .swatch').nth(2).evaluate((swatch) => swatch.style.background), 'rgb(153, 51, 26)');
+    // Each sample with its fragment, triangle, draw, material and depth.
+    const leaf = (number) => `draw 3, instance 0, triangle ${17 + number}, <b>leaf</b> (material 1)${number === 9 ? ', back face' : ''}`;
+    assert.deepEqual(await cells('Samples'), [['0', '0.125 -0.375', '0', leaf(0), '0.250000'], ['1', '-0.375 -0.125', '0', leaf(0), '0.250000'], ['2', '0.375 0.125', '9', leaf(9), '0.500000'], ['3', '-0.125 0.375', 'sky', '', '']]);
+    assert.equal(await story.locator('.pattern').first().locator('circle').count(), 4);
+    assert.equal(await story.locator('b', {hasText: 'leaf'}).count(), 0, "a material's name is text");
+    // Fragments in order with masks; those of which nothing is left are folded, and open.
+    const shown = await cells('Fragments');
+    assert.deepEqual(shown.map((row) => row[0]), ['0', '5 fragments (1 to 5): alpha leaves no sample of 4, 1 behind what came before', '9']);
+    assert.deepEqual(shown[2].slice(1, 5), [leaf(9), '0xf', '0x4', '0x4']);
+    assert.equal(await story.locator('.mask-picture[aria-label="1 of 4 samples: 2"]').first().isVisible(), true);
+    await story.getByRole('button', {name: /^5 fragments \(1 to 5\): alpha/}).click();
+    assert.deepEqual((await cells('Fragments')).map((row) => row[0]).filter((text) => text.length === 1), ['0', '1', '2', '3', '4', '5', '9']);
+    await story.getByText('1 more reach the pixel and cover none of its samples').waitFor();
+    // Steps, what was kept, lit and resolved.
+    assert.deepEqual((await cells('What was done')).map((row) => row.at(-1)), ['stored as surface 0', '5 fragments (1 to 5) dropped: alpha leaves no sample; dropped: behind',
+      'merged into surface 0, against the parameters: depths 1 to 2 apart from its 3 to 4']);
+    assert.equal(await story.locator('strong.against').innerText(), 'against the parameters');
+    assert.deepEqual(await cells('Kept'), [['0', '0x7', '3', '1.0000 to 4.0000', '0.00 0.00 1.00', '0.50 0.25 0.13', '0.80', '0.50', '1.000 0.000 0.000']]);
+    assert.deepEqual(await cells('Lighting'), [['0', '0x7', '3', '0.5000 0.2500 0.1250']]);
+    assert.deepEqual((await cells('Lighting', 1)).map((row) => row.slice(0, 2)), [['0', '0x1'], ['1', '0x2'], ['2', '0x4']]);
+    await story.locator('.story').nth(1).getByText('The same fragments came as to msaa.').waitFor();
+    assert.match(await story.locator('.story').first().innerText(), /Resolve: the mean of 4 samples.*Maps here: merges 1, order errors 0/s);
+    assert.deepEqual(await cells('Shading samples', 2), [[leaf(9), '3', '1', '0.4000 0.2000 0.1000'], [leaf(0), '2', '1', '0.4000 0.2000 0.1000'], ['sky', '3', '', '']]);
+    await browser.shot('story');
+  }],
+
+  ['the pixel is marked, its neighbours are one key away, and the story is there as JSON', async () => {
+    const story = page.locator('.pixel-story');
+    await press('f', '1', '0');
+    await inSight();
+    await addressed();
+    const white = async (x, y) => page.locator('.view-canvas').evaluate((canvas, point) => {
+      const box = canvas.getBoundingClientRect();
+      const [px, py] = [(point.x - box.left) * canvas.width / box.width, (point.y - box.top) * canvas.height / box.height];
+      const {data} = canvas.getContext('2d').getImageData(Math.round(px) - 9, Math.round(py) - 9, 19, 19);
+      return Array.from({length: 361}, (_, i) => data[4 * i] === 255 && data[4 * i + 1] === 255 && data[4 * i + 2] === 255).filter(Boolean).length;
+    }, await place(x, y));
+    assert.ok(await white(60, 30) > 20, 'a frame around the pixel');
+    await story.getByRole('button', {name: 'The pixel to the right'}).focus();
+    await page.keyboard.press('Enter');
+    await awaitParameter('pixel', '61,30,1,4');
+    await story.getByRole('heading', {name: 'Pixel 61, 30 of frame 4'}).waitFor();
+    await page.waitForFunction(() => !document.querySelector('.pixel-story').ariaBusy);
+    assert.equal(await page.evaluate(() => document.activeElement.dataset.step), 'to the right', 'the key goes on');
+    assert.ok(await white(61, 30) > 20);
+    const download = page.waitForEvent('download');
+    await story.getByRole('button', {name: 'JSON of the story'}).click();
+    const file = await download;
+    assert.equal(file.suggestedFilename(), 'pixel-61-30-frame-4.json');
+    const {pixel, stories} = JSON.parse(readFileSync(await file.path(), 'utf8'));
+    assert.deepEqual([pixel, stories.length], [[61, 30], 2]);
+    for (const theme of ['dark', 'light']) {
+      await page.evaluate((value) => (document.documentElement.dataset.theme = value), theme);
+      assert.deepEqual(await browser.violations(), [], `a story, ${theme}`);
+    }
+    const wide = page.viewportSize();
+    await page.setViewportSize({width: 390, height: 844});
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'no sideways scrolling on a phone');
+    assert.deepEqual(await browser.violations(), [], 'a story on a phone');
+    await browser.shot('story-phone');
+    await page.setViewportSize(wide);
+    await page.evaluate(() => delete document.documentElement.dataset.theme);
+    service.missing = true;
+    await story.getByRole('button', {name: 'The pixel above'}).click();
+    await story.locator('.problem', {hasText: 'no capture of this content'}).waitFor();
+    service.missing = false;
+    browser.forgive('404');
+    await story.getByRole('button', {name: 'Close'}).click();
+    await awaitParameter('pixel', null);
+    assert.equal(await white(61, 30), 0, 'no mark without a story');
+  }],
+
+  // Nights ----------------------------------------------------------------------------------------------------------
+  ["a night's cells are walked by keys; one's frame, layers, zoom, box and pixel are in its address, which restores them", async () => {
+    await open('#/nights/2');
+    await page.locator('.cell.failed').waitFor();
+    const pressed = () => page.locator('.cell[aria-pressed="true"]').getAttribute('aria-label');
+    await page.keyboard.press('a');
+    await page.getByRole('heading', {name: 'made up, msaa:samples=8'}).waitFor();
+    assert.equal(await pressed(), 'made up, msaa:samples=8: failed');
+    await page.keyboard.press('j');
+    await page.getByRole('heading', {name: 'made up, streaming:samples=8'}).waitFor();
+    await page.getByText('It was not replayed.').waitFor();
+    await page.keyboard.press('k');
+    await page.getByRole('heading', {name: 'made up, msaa:samples=8'}).waitFor();
+    await awaitParameter('cell', '21');
+    assert.equal(await page.getByLabel('frame', {exact: true}).inputValue(), '0', 'the first frame that differs');
+    await page.keyboard.press(']');
+    await awaitParameter('frame', '1');
+    await page.locator('.view[data-shown]').waitFor();
+    await page.getByLabel('and of').selectOption('1');
+    await page.getByRole('option', {name: '3: night 1'}).first().waitFor({state: 'attached'});
+    await inSight();
+    await page.locator('.view-canvas').focus();
+    await press('3', 'z', 'z', 'x');
+    await inSight();
+    const at = await place(80, 44);
+    await page.mouse.click(at.x, at.y);
+    await page.locator('.pixel-story .story').nth(2).waitFor();
+    const {technique, frame, width: w, point_lights: lights} = service.stories.at(-1);
+    assert.deepEqual([technique, frame, w, lights], ['msaa:samples=8', '1', '160', '9'], "of tonight's technique, with the night's lights");
+    await addressed();
+    const state = () => page.evaluate(() => ({keys: document.querySelector('.view').dataset.keys, scale: document.querySelector('.scale').innerText, label: document.querySelector('.view-label').innerText,
+      cell: document.querySelector('.cell[aria-pressed="true"]').dataset.cell, box: document.querySelector('.box-panel h3')?.innerText, story: document.querySelector('.pixel-story h2')?.innerText, gates: document.querySelector('.gates').innerText}));
+    await page.locator('.box-panel h3').waitFor();
+    const [before, address] = [await state(), page.url()];
+    assert.match(before.keys, /^night 1:image$/);
+    assert.match(before.story, /of frame 1$/);
+    await open(address.slice(service.url.length + 1));
+    await page.locator('.box-panel h3').waitFor();
+    await page.locator('.pixel-story .story').nth(2).waitFor();
+    await settled();
+    assert.deepEqual(await state(), before);
+    await addressed();
+    assert.equal(page.url(), address);
+    await browser.shot('night-cell');
+    for (const theme of ['dark', 'light']) {
+      await page.evaluate((value) => (document.documentElement.dataset.theme = value), theme);
+      assert.deepEqual(await browser.violations(), [], `a night, ${theme}`);
+    }
+    await page.evaluate(() => delete document.documentElement.dataset.theme);
+  }],
+
+  ["a night's report has its grid, the cell with its pictures, and the story", async () => {
+    const download = page.waitForEvent('download');
+    await page.keyboard.press('r');
+    const path = join(tmpdir(), `subpixel-night-${process.pid}.html`);
+    await (await download).saveAs(path);
+    const other = await browser.context.newPage();
+    const asked = [];
+    other.on('request', (request) => asked.push(request.url()));
+    await other.goto(`file://${path}`);
+    assert.deepEqual(asked.filter((url) => !url.startsWith('file:') && !url.startsWith('data:')), []);
+    const text = await other.locator('body').innerText();
+    for (const words of ['Night 2 of nightly: failed', 'made up, msaa:samples=8: failed', '<i>failed</i>', 'Box at', 'Pixel 80, 44 of frame 1', 'merged into surface 0, against the parameters']) assert.ok(text.includes(words), words);
+    assert.deepEqual(await other.locator('figure img').evaluateAll((images) => images.map((image) => image.naturalWidth > 100)), [true, true, true, true], 'baseline, tonight, difference and the view');
+    assert.equal(await other.locator('button, input, select, script, [href^="#"]').count(), 0, 'nothing to press');
+    if (options.screenshots) await other.screenshot({path: join(options.screenshots, 'night-report.png'), fullPage: true});
+    await other.close();
+    // A closed cell's pixel goes with it, and keys of the night with the night.
+    await page.keyboard.press('[');
+    await awaitParameter('pixel', null);
+    await awaitParameter('frame', '0');
+    await page.keyboard.press('i');
+    await page.getByRole('heading', {name: 'Nights', exact: true}).waitFor();
+    await page.keyboard.press('?');
+    assert.doesNotMatch(await page.getByRole('dialog').innerText(), /next cell/);
+    await page.keyboard.press('Escape');
+  }],
+
   // Report --------------------------------------------------------------------------------------------------------
   ['the address restores the view whole', async () => {
     await openRun('#/runs/1');
@@ -519,17 +725,23 @@ const tests = [
     const at = await place(60, 30);
     await page.mouse.click(at.x, at.y);  // of frame 0 and the first technique, whatever is chosen later
     await page.locator('h1').click();
-    await press(']', ']', 'd', 'g', 'z', 'z', 'x', 'a', 'k');
+    await press(']', ']', 'd', 'g', 'z', 'z', 'x', 'a', 'k', 'v');
+    await page.locator('.place').first().waitFor();
+    await page.locator('.series-key').nth(1).click();
     await settled();
     await addressed();
     const address = page.url();
     const state = () => page.evaluate(() => ({table: document.querySelector('.results').innerText, keys: document.querySelector('.view').dataset.keys, scale: document.querySelector('.scale').innerText,
-      frame: document.querySelector('.frame-number').innerText, story: document.querySelector('.pixel-story h2')?.innerText, box: document.querySelector('.box-panel h3')?.innerText, label: document.querySelector('.view-label').innerText}));
+      frame: document.querySelector('.frame-number').innerText, story: document.querySelector('.pixel-story h2')?.innerText, box: document.querySelector('.box-panel h3')?.innerText, label: document.querySelector('.view-label').innerText,
+      worst: document.querySelector('.worst-panel h3')?.innerText, lines: document.querySelector('.series-key[aria-pressed="false"]')?.innerText}));
     await page.locator('.box-panel h3').waitFor();
     const before = await state();
+    assert.ok(before.worst && before.lines === 'msaa samples=8', JSON.stringify(before));
     assert.ok(before.box && before.label.includes('×8') && before.frame === '2' && before.story === 'Pixel 60, 30 of frame 0', JSON.stringify(before));
     await open(address.slice(service.url.length + 1));
     await page.locator('.box-panel h3').waitFor();
+    await page.locator('.place').first().waitFor();
+    await page.locator('.series-key').nth(1).waitFor();
     await settled();
     await page.waitForFunction((table) => document.querySelector('.results').innerText === table, before.table);
     assert.deepEqual(await state(), before);
@@ -543,6 +755,12 @@ const tests = [
   }],
 
   ['one click writes a page by itself, without network', async () => {
+    await open(`${page.url().slice(service.url.length + 1).replace(/&pixel=[^&]*/, '')}&pixel=1,2,0,0`);
+    await page.locator('.pixel-story .story').first().waitFor();
+    await page.locator('.plot .point').first().waitFor();
+    await page.locator('.box-panel h3').waitFor();
+    await press('w');
+    await page.locator('.place').first().waitFor();
     const download = page.waitForEvent('download');
     await page.getByRole('button', {name: 'Report'}).click();
     const path = join(tmpdir(), `subpixel-report-${process.pid}.html`);
@@ -552,10 +770,14 @@ const tests = [
     other.on('request', (request) => asked.push(request.url()));
     await other.goto(`file://${path}`);
     assert.deepEqual(asked.filter((url) => !url.startsWith('file:') && !url.startsWith('data:')), []);
-    assert.ok(await other.locator('img').evaluate((element) => element.naturalWidth > 500));
-    assert.equal(await other.locator('svg').count(), 2);
-    assert.equal(await other.locator('tbody tr').count(), rows + 3, 'rows and the titles of their groups');
-    assert.equal(await other.locator('a').getAttribute('href'), page.url());
+    assert.ok(await other.locator('figure img').first().evaluate((element) => element.naturalWidth > 500));
+    assert.equal(await other.locator('svg[viewBox="0 0 900 420"], svg[aria-label$="over frames"]').count(), 2);
+    const text = await other.locator('body').innerText();
+    for (const words of ['Box at', 'Worst places of', 'Pixel 1, 2 of frame 0', 'Resolve: the mean of 4 samples']) assert.ok(text.includes(words), words);
+    assert.equal(await other.locator('.worst img').evaluateAll((images) => images.every((image) => image.naturalWidth === 72)), true);
+    assert.equal(await other.locator('button, input, select, script').count(), 0);
+    assert.equal(await other.locator('.figures tbody tr').count(), rows + 3, 'rows and the titles of their groups');
+    assert.equal(await other.locator('a').first().getAttribute('href'), page.url());
     if (options.screenshots) await other.screenshot({path: join(options.screenshots, 'report.png'), fullPage: true});
     await other.close();
     const markdown = page.waitForEvent('download');

@@ -4,6 +4,7 @@ import {createServer} from 'node:http';
 import {existsSync, readFileSync} from 'node:fs';
 import {extname, join} from 'node:path';
 import {deflateSync, crc32} from 'node:zlib';
+import {madeUpStory} from './made_up_story.mjs';
 
 const web = join(import.meta.dirname, '../../web');
 const media = {'.html': 'text/html; charset=utf-8', '.css': 'text/css; charset=utf-8', '.js': 'text/javascript; charset=utf-8', '.svg': 'image/svg+xml'};
@@ -118,6 +119,9 @@ export class MadeUpService {
     this.late = null;      // {after, until}: of the results of a run, all but so many wait for that
     this.broken = new Set(); // roles whose blobs are missing
     this.requests = [];
+    this.stories = [];       // what stories were asked for: {technique, x, y, …} as texts
+    this.busy = 0;           // so many of them are refused: the service tells another one
+    this.missing = false;    // whether there is no such capture
     this.streams = new Set();
     this.files = new Map();
   }
@@ -162,7 +166,7 @@ export class MadeUpService {
     const {frames, rows, width, height, status = 'done', reason = ''} = this.runs[id];
     const expected = frames * rows;
     return {id, status, reason, capture: {hash: 'c'.repeat(32), name: 'made-up.spcap', title: 'Made up'}, created_utc: `2025-01-0${id}T10:00:00Z`, started_utc: `2025-01-0${id}T10:00:00Z`, finished_utc: null,
-      request: {capture: 'c'.repeat(32), techniques: this.techniques(id), samples: 4, frames: [0, frames - 1], width: 0, height: 0, repeat: 3, reference_samples: 64},
+      request: {capture: 'c'.repeat(32), techniques: this.techniques(id), samples: 4, frames: [0, frames - 1], width: 0, height: 0, repeat: 3, reference_samples: 64, point_lights: 5},
       head: {driver: 'made up', driver_version: '1', device: 'none', cpu_model: 'none', build: 'test', width, height, point_lights: 2, triangles_first_frame: 12, features: ['textures'], wall_s: 10, outside_gpu_s: 4},
       stored_results: status === 'done' ? expected : 0, expected_results: expected, progress: null};
   }
@@ -190,7 +194,7 @@ export class MadeUpService {
   }
 
   async #answer(request, response) {
-    const {pathname: path} = new URL(request.url, this.url);
+    const {pathname: path, searchParams} = new URL(request.url, this.url);
     this.requests.push(path);
     response.setHeader('Content-Security-Policy', policy);
     response.setHeader('X-Content-Type-Options', 'nosniff');
@@ -210,18 +214,48 @@ export class MadeUpService {
       const found = this.#blob(blob[1]);
       return found ? send(200, found.type, found.body, 'private, max-age=31536000, immutable') : missing();
     }
+    const night = /^\/api\/nights\/(\d+)(?:\/cells\/(\d+))?$/.exec(path);
+    if (night) return Number(night[1]) in this.nights ? json(night[2] ? this.nightCell(Number(night[1]), Number(night[2])) : this.night(Number(night[1]))) : missing();
+    if (path === `/api/captures/${'c'.repeat(32)}`) return this.missing ? missing() : json({summary: {frames: [{point_lights: 2}]}});
     const one = /^\/api\/runs\/(\d+)(\/.*)?$/.exec(path);
     if (one) return this.runs[one[1]] ? this.#answerRun(Number(one[1]), one[2] ?? '', {json, missing, response}) : missing();
-    if (/^\/api\/captures\/c{32}\/pixel$/.test(path)) return json({stories: [], reference: null});
+    if (/^\/api\/captures\/c{32}\/pixel$/.test(path)) return this.missing ? missing() : this.#tell(Object.fromEntries(searchParams), {send, json});
     const known = {
       '/api/health': {status: 'ok', version: '0', captures: 1, runs: 2, queued: 0, running: 0, upload_limit_bytes: 1, free_bytes: 1},
       '/api/caller': {token_required: false, name: null, right: 'admin', expires_utc: null, quota_bytes: null, uploaded_bytes: 0},
       '/api/techniques': {techniques: [...new Set(techniqueNames)].map((name) => ({name, title: name, doc: '', parameters: [], maps: []}))},
       '/api/palettes': {palettes: this.palettes}, '/api/limits': {limits: []}, '/api/captures': {captures: [], total: 0},
       '/api/runs': {runs: Object.keys(this.runs).map((id) => this.run(Number(id))).reverse(), next_before: null},
-      '/api/nights': {nights: [], next_before: null}, '/api/baselines': {baselines: []},
+      '/api/nights': {nights: Object.keys(this.nights).map((id) => this.night(Number(id))).reverse(), next_before: null}, '/api/baselines': {baselines: []},
     }[path];
     return known ? json(known) : missing();
+  }
+
+  nights = {};  // {number: {lights}}
+
+  /** A night of one capture by three techniques: `msaa` failed, `streaming` is missing. Night n shows what run n has, compared with run 1. */
+  night(id) {
+    const cell = (at, technique, status) => ({id: 10 * id + at, capture: 'made up', technique, status, gates: [{gate: 'images', outcome: status === 'passed' ? 'passed' : 'failed', detail: `<i>${status}</i>`}]});
+    return {id, name: 'nightly', status: 'failed', reason: '', started_utc: `2025-01-0${id}T01:00:00Z`, finished_utc: `2025-01-0${id}T01:10:00Z`, build: 'test', commit: '', baseline: 'nightly', baseline_night: 1, counts: {passed: 1, failed: 1, missing: 1, new: 0},
+      captures: [{name: 'made up', source: 'made-up.spcap', hash: 'c'.repeat(32), problem: '', head: {...this.run(1).head, point_lights: this.nights[id].lights}}],
+      cells: [cell(0, 'noaa:samples=1', 'passed'), cell(1, 'msaa:samples=8', 'failed'), cell(2, 'streaming:samples=8', 'missing')]};
+  }
+
+  nightCell(night, id) {
+    const cell = this.night(night).cells.find((candidate) => candidate.id === id);
+    const row = id % 10 === 2 ? 3 : id % 10;
+    return {...cell, frames: [0, 1].map((frame) => ({frame, baseline: this.result(1, row, frame), tonight: cell.status === 'missing' ? null : this.result(night, row, frame),
+      difference: cell.status === 'failed' ? hashOf(1, row, frame, 'error') : null}))};
+  }
+
+  #tell(asked, {send, json}) {
+    this.stories.push(asked);
+    if (this.busy > 0) {
+      --this.busy;
+      return send(503, 'application/json', JSON.stringify({error: {status: 503, what: 'the story is not told', why: 'another is being told', where: ''}}));
+    }
+    const [technique, ...parameters] = asked.technique.split(':');
+    return json(madeUpStory({technique, parameters: Object.fromEntries(parameters.map((text) => text.split('='))), frame: Number(asked.frame), x: Number(asked.x), y: Number(asked.y)}));
   }
 
   palettes = {magma: ['#000000', '#800080', '#ffff80'], viridis: ['#000080', '#008080', '#ffff00']};

@@ -114,9 +114,10 @@ const tests = [
   }],
 
   ['what the scene needs is told with what it means', async () => {
-    const needs = page.locator('.needs div');
+    const needs = page.locator('.needs > div');
     await counted(needs, service.fakeWorker ? 2 : 1);
-    for (const text of await needs.allInnerTexts()) assert.match(text, /^[a-z -]+\n.{20,}/i);
+    for (const text of await needs.allInnerTexts()) assert.match(text, /^[a-z -]+\n.{20,}\nbecause of \d+ of \d+ (materials|draws|frames)/i);
+    if (service.fakeWorker) assert.match(await needs.last().innerText(), /because of 1 of 2 materials: <b>leaf<\/b>$/);
   }],
 
   ['draws of a frame are a tree; one is highlighted in the picture, and picked by a click in it', async () => {
@@ -161,6 +162,31 @@ const tests = [
     await shot('film-strip');
   }],
 
+  ["a capture's frames and draws are walked by keys, and reported", async () => {
+    await page.locator('.frame-canvas').focus();
+    await page.keyboard.press('[');
+    await page.locator('.frame-canvas[aria-label="Frame 1"]').waitFor({timeout});
+    await page.keyboard.press(']');
+    await page.locator('.frame-canvas[aria-label="Frame 2"]').waitFor({timeout});
+    await page.keyboard.press(']');  // the last one
+    await page.keyboard.press('j');
+    await page.locator('.frame-canvas[aria-label^="Frame 2, highlighted: 0 "]').waitFor();
+    await page.keyboard.press('k');  // round its end, as j goes
+    const {draws} = await (await fetch(`${service.url}/api/captures/${/[0-9a-f]{32}/.exec(page.url())[0]}/frame?frame=2&width=640&height=360`)).json();
+    const seen = draws.filter(({pixels}) => pixels > 0);
+    await page.locator(`.frame-canvas[aria-label^="Frame 2, highlighted: ${seen.at(-1).draw} "]`).waitFor();
+    const download = page.waitForEvent('download');
+    await page.keyboard.press('r');
+    const html = readFileSync(await (await download).path(), 'utf8');
+    for (const words of ['What the scene needs', 'Frame 2: ', `${seen.at(-1).triangles} `, 'src="data:image/png;base64,']) assert.ok(html.includes(words), words);
+    assert.ok(!/<script|<button|<img src=x/.test(html), 'names are text, and nothing can be pressed');
+    await page.keyboard.press('0');
+    await counted(page.locator('.draw[aria-pressed="true"]'), 0);
+    await page.keyboard.press('?');
+    assert.match(await page.getByRole('dialog').innerText(), /This capture.*next draw.*report of what is on the screen/s);
+    await page.keyboard.press('Escape');
+  }],
+
   ['the frame and what is chosen in it are in the address, which restores them', async () => {
     const parameters = () => Object.fromEntries(new URLSearchParams(new URL(page.url()).hash.split('?')[1] ?? ''));
     const expectParameters = async (expected) => {
@@ -175,7 +201,7 @@ const tests = [
     };
     await expectParameters({frame: '2'});
     const last = page.locator('.draw-tree > details').last();
-    await last.locator('summary').click();
+    if (await last.getAttribute('open') === null) await last.locator('summary').click();
     const draw = last.locator('li .draw').first();
     const number = await draw.getAttribute('data-draws');
     await draw.click();
@@ -343,7 +369,7 @@ const tests = [
     await counted(page.locator('.pixel-story b'), 0, 'a material\'s name is text');
     if (service.fakeWorker) {
       // What an aggregate has instead of an albedo, and a filter's steps with the luma it looked at.
-      assert.match(await page.locator('.pixel-story .story', {hasText: 'agaa'}).innerText(), /Kept\s+slot\s+covers\s+weight\s+depth\s+normal\s+diffuse\s+reflectance.*0x3\s+2\s+0\.25/is);
+      assert.match(await page.locator('.pixel-story .story', {hasText: 'agaa'}).innerText(), /Kept\s+aggregate\s+covers\s+weight\s+reversed depth\s+normal\s+diffuse\s+reflectance.*0x3\s+2\s+0\.25/is);
       const filtered = page.locator('.pixel-story .story', {hasText: 'fxaa'});
       assert.match(await filtered.innerText(), /The filter.*luma\s+0\.5000 here\s+blend\s+0\.7500 of the pixel's <b>value<\/b>/is);
       assert.deepEqual(await filtered.locator('.luma span').allInnerTexts(), ['0.10', '0.20', '0.30', '0.40', '0.50', '0.60', '0.70', '0.80', '0.90']);

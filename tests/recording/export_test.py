@@ -268,6 +268,60 @@ class Layers(unittest.TestCase):
         self.assertEqual(zlib.crc32(textures.texels(texture).tobytes()), BPTC_CRC)
 
 
+class MadeShader:
+    """A fragment shader that reads "Texture" and "TextureNormal", of 2x2 texels of 8 bits."""
+
+    class rd:
+        ResourceFormatType = Made(Regular="regular")
+        CompType = Made(UNorm="unorm", UNormSRGB="srgb")
+
+        @staticmethod
+        def Subresource(*place):
+            return place
+
+    def __init__(self, colours, normals):
+        self.texels, self.controller = {"1": colours, "2": normals}, self
+        form = Made(type="regular", compByteWidth=1, compType="unorm", compCount=4, BGRAOrder=lambda: False)
+        self.textures = dict((key, Made(width=2, height=2, format=form, cubemap=False, depth=1, arraysize=1))
+                             for key in self.texels)
+
+    def GetTextureData(self, resource, place):
+        return self.texels[resource]
+
+    def fragment_source(self):
+        return "", "colour = texture(Texture, uv);"
+
+    def fragment_constants(self):
+        return {}
+
+    def fragment_textures(self):
+        return [("Texture", 0, "1"), ("TextureNormal", 1, "2")]
+
+    def sampler(self, slot, name):
+        return None
+
+
+class NormalMaps(unittest.TestCase):
+    def taken(self, colours, normals):
+        work = export.FrameExport(MadeShader(colours, normals), Builder(), export.Options())
+        work.target_ids = set()
+        entries = [export.Entry(number, None, None, "draw {}".format(number)) for number in range(2)]
+        for entry in entries:
+            work._shading(entry)
+        return [sorted(entry.textures) for entry in entries], work.notices.draws, work.builder.capture.textures
+
+    def test_of_one_colour_are_none(self):
+        # What Vulkan wants bound where Warzone has no normal map; both draws are told of.
+        taken, notices, kept = self.taken(bytes(16), bytes(12) + bytes((0, 0, 0, 255)))
+        self.assertEqual(taken, [["base_colour"]] * 2)  # a colour may well be one
+        self.assertEqual(notices, {"left out: a normal map of one colour": ["draw 0", "draw 1"]})
+        self.assertEqual([texture.name for texture in kept], ["Texture 1"])
+
+    def test_of_two_are_taken(self):
+        taken, notices, _ = self.taken(bytes(16), bytes(12) + bytes((0, 0, 1, 0)))
+        self.assertEqual((taken, notices), ([["base_colour", "normal"]] * 2, {}))
+
+
 @unittest.skipUnless("SUBPIXEL" in os.environ, "SUBPIXEL does not name the program")
 class Replayed(unittest.TestCase):
     def test_normals_of_two_channels_have_a_third(self):

@@ -140,10 +140,11 @@ TEST_F(Captures, MistakeOfTheReadersIsNotTheFiles) {
 
 TEST_F(Captures, PixelsStoryIsToldByAProcessOfItsOwn) {
   const std::string hash = client().upload_fake({{"frames", 1}});
-  const std::string path = "/api/captures/" + hash + "/pixel?technique=streaming:surfaces%3D2&x=1&y=2&frame=0";
+  const std::string path =
+      "/api/captures/" + hash + "/pixel?technique=streaming:surfaces%3D2&x=1&y=2&frame=0&point_lights=3";
   const json story = client().get(path);
   const json& arguments = story.at("arguments");
-  for (const char* wanted : {"--technique=streaming:surfaces=2", "--at=1,2", "--frame=0"})
+  for (const char* wanted : {"--technique=streaming:surfaces=2", "--at=1,2", "--frame=0", "--lights=3"})
     EXPECT_NE(std::find(arguments.begin(), arguments.end(), wanted), arguments.end()) << wanted << arguments;
   const json refused =
       error_of(client().http().Get(("/api/captures/" + hash + "/pixel?technique=msaa&x=4001&y=2")), 400);

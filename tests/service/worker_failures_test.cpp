@@ -45,12 +45,13 @@ TEST_P(WorkerFailure, EndsTheRunWithAReason) {
 std::vector<Failure> failures() {
   std::vector<Failure> all{
       {"kill", "signal 9"},
+      {"ill", "signal 4 (Illegal instruction); it was at \"replay: frame 1 noaa\" on no device at all, 1.0; try "},
       {"exit", "exit code 4; its last words: the driver lost the device"},
       {"error", "feature shaderInt64"},
       {"internal", "internal error: no such shader: please report it"},
       {"hang", "said nothing for 1500 ms"},
       {"chatter", "longer than 3 s"},
-      {"garbage", "line 7 was refused: worker message: the line is no valid JSON"},
+      {"garbage", "line 9 was refused: worker message: the line is no valid JSON"},
       {"long_line", "a line of more than 1048576 bytes"},
       {"quit", "without saying that it was done"},
       {"no_done", "without saying that it was done"},

@@ -25,7 +25,7 @@ inline PathImage reference_path(const capture::Capture& capture, std::uint32_t w
   GpuScene scene(test_device(), capture, {});
   scene.set_frame(0, width, height);
   const Image linear = render_reference(test_device(), scene, options).linear;
-  PathImage path{"reference", turn_constants(options.samples / 4, width, height), {}};
+  PathImage path{"reference", turn_constants(options.samples / 4, 2, width, height), {}};
   for (std::size_t i = 0; i < linear.pixels.size(); i += 3)
     path.radiance.emplace_back(linear.pixels[i], linear.pixels[i + 1], linear.pixels[i + 2]);
   return path;
@@ -71,7 +71,8 @@ inline void expect_image(const PathImage& path, std::uint32_t width, const Expec
       glm::dvec3 sum(0);
       double count = 0;
       for (std::uint32_t turn = 0; turn < path.turns.size(); ++turn) {
-        const glm::dvec2 place = glm::dvec2(sample_place(path.turns[turn], turn & 3));
+        const std::uint32_t sample = shaded_sample(path.turns[turn]);
+        const glm::dvec2 place = glm::dvec2(sample_place(path.turns[turn], sample));
         if (const auto here = expected(x - 0.5 + place.x, y - 0.5 + place.y)) {
           sum += *here;
           ++count;

@@ -306,6 +306,19 @@ TEST_F(PixelStoryOfFile, ReferenceIsTheMeanOfItsShadings) {
     EXPECT_NE(text.find(part), std::string::npos) << part << text;
 }
 
+// A run with lights of its own shows another frame than the capture's.
+TEST_F(PixelStoryOfFile, IsOfTheRunsLights) {
+  job_.reference_samples = 4;
+  const json recorded = tell_pixel(job_);
+  job_.point_lights = 6;
+  const json lit = tell_pixel(job_);
+  EXPECT_EQ(lit["stories"][0]["fragments"].size(), recorded["stories"][0]["fragments"].size());
+  EXPECT_NE(lit["stories"][0]["result"]["radiance"], recorded["stories"][0]["result"]["radiance"]);
+  EXPECT_NE(lit["reference"]["result"]["radiance"], recorded["reference"]["result"]["radiance"]);
+  job_.point_lights = 2000;
+  EXPECT_THROW(tell_pixel(job_), UsageError);
+}
+
 TEST_F(PixelStoryOfFile, WhatIsNotThereIsRefused) {
   StoryJob outside = job_, frame = job_, none = job_;
   outside.x = kWidth;

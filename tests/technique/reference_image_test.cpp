@@ -43,18 +43,86 @@ float world_y(double pixel) {
 }
 
 TEST(ReferenceTurns, SamplesOfAllTurnsFillThePixelEvenly) {
-  for (const std::uint32_t turns : {1u, 16u, 128u}) {
-    const auto constants = turn_constants(turns, 640, 360);
-    int cells[8][8] = {};
-    for (const auto& turn : constants)
-      for (std::uint32_t s = 0; s < 4; ++s) {
-        const glm::vec2 p = sample_place(turn, s);
-        ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
-        ++cells[static_cast<int>(p.y * 8)][static_cast<int>(p.x * 8)];
+  for (const std::uint32_t side : {2u, 4u}) {
+    for (const std::uint32_t turns : {1u, 16u, 20u, 128u}) {
+      const auto constants = turn_constants(turns, side, 640, 360);
+      int cells[8][8] = {};
+      for (const auto& turn : constants)
+        for (std::uint32_t s = 0; s < side * side; ++s) {
+          const glm::vec2 p = sample_place(turn, s);
+          ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
+          ++cells[static_cast<int>(p.y * 8)][static_cast<int>(p.x * 8)];
+        }
+      if (turns < 16) continue;
+      for (const auto& row : cells)
+        for (const int count : row) EXPECT_NEAR(count, turns * side * side / 64.0, turns > 16 ? 2 : 1);
+    }
+  }
+}
+
+// Shading points of a pixel that one triangle fills: a rectangle of 1/turns of the pixel, cut by halves, has one each.
+TEST(ReferenceTurns, ShadingPointsFillThePixelEvenly) {
+  for (const std::uint32_t side : {2u, 4u}) {
+    for (std::uint32_t bits = 2; bits <= (side == 4 ? 8 : 10); ++bits) {
+      const std::uint32_t turns = 1u << bits;
+      const auto constants = turn_constants(turns, side, 640, 360);
+      for (std::uint32_t across = 0; across <= bits; ++across) {
+        const std::uint32_t columns = 1u << across, rows = turns / columns;
+        std::vector<int> cells(turns);
+        for (const gpu_types::TurnConstants& turn : constants) {
+          const glm::vec2 p = sample_place(turn, shaded_sample(turn));
+          ++cells[static_cast<std::uint32_t>(p.y * static_cast<float>(rows)) * columns +
+                  static_cast<std::uint32_t>(p.x * static_cast<float>(columns))];
+        }
+        EXPECT_EQ(std::ranges::count(cells, 1), turns) << side << ", " << turns << " turns, " << columns << " columns";
       }
-    if (turns < 16) continue;
-    for (const auto& row : cells)
-      for (const int count : row) EXPECT_NEAR(count, turns * 4 / 64.0, turns > 16 ? 2 : 1);
+    }
+  }
+}
+
+// A triangle that fills part of a pixel is shaded all over that part: its colour rises by a quarter a pixel to the
+// right and down, so that a place preferred by an eighth of a pixel shows.
+TEST(ReferenceImage, PartsOfPixelsAreShadedEvenly) {
+  constexpr double kFrom = 8, kSlope = 0.25;  // colour 0 at the corner (kFrom, kFrom)
+  const auto colour_at = [](double x, double y) { return kSlope * (x - kFrom) + 0.5 * kSlope * (y - kFrom); };
+  struct Part {
+    double right, below, sum;  // of x, of y, of both: what is seen lies before these
+  };
+  for (const Part& part : {Part{12, 9.5, 99}, Part{9.5, 12, 99}, Part{12, 12, 19.5}, Part{12, 12, 18.5}}) {
+    auto capture = flat_capture(kSide, kSide);
+    capture.frames[0].ambient = {0, 0, 0};
+    capture::Material plain;
+    plain.name = "unlit";
+    plain.unlit = true;
+    plain.two_sided = true;
+    capture.materials.push_back(plain);
+    const double most = std::min(part.right - kFrom, part.sum - 2 * kFrom);
+    const double down = std::min(part.below - kFrom, part.sum - 2 * kFrom);
+    // A triangle that the diagonal bounds, or a rectangle.
+    const bool is_triangle = part.sum < 90;
+    std::vector<float> corners, colours;
+    const auto add = [&](double x, double y) {
+      corners.insert(corners.end(), {world_x(x), world_y(y), 0});
+      const auto colour = static_cast<float>(colour_at(x, y));
+      colours.insert(colours.end(), {colour, colour, colour, 1});
+    };
+    add(kFrom, kFrom), add(kFrom, kFrom + down), add(kFrom + most, kFrom);
+    if (!is_triangle) add(kFrom + most, kFrom), add(kFrom, kFrom + down), add(kFrom + most, kFrom + down);
+    auto& draw = add_triangles(capture, corners, static_cast<std::uint32_t>(capture.materials.size() - 1));
+    draw.colour = {add_buffer(capture, colours), capture::VertexFormat::float32x4, 0, 16};
+    GpuScene scene(test_device(), capture, {});
+    scene.set_frame(0, kSide, kSide);
+    const auto once = render_reference(test_device(), scene, {.samples = 4096});
+    const auto all = render_reference(test_device(), scene, {.samples = 4096, .shade_all_samples = true});
+    for (const auto& [x, y] : {std::pair{8u, 8u}, {9u, 8u}, {8u, 9u}, {9u, 9u}, {10u, 8u}, {10u, 9u}, {9u, 10u}}) {
+      EXPECT_NEAR(red(once, x, y), red(all, x, y), 0.004)
+          << "pixel " << x << " " << y << " before " << part.right << " " << part.below << " " << part.sum;
+    }
+    // The first rectangle's row 9 is half seen, and pixel (9, 8) whole.
+    if (part.below == 9.5) {
+      EXPECT_NEAR(red(once, 10, 9), 0.5 * colour_at(10.5, 9.25), 0.002);
+      EXPECT_NEAR(red(once, 9, 8), colour_at(9.5, 8.5), 0.002);
+    }
   }
 }
 

@@ -113,7 +113,8 @@ TEST(SceneCones, LightTheirInsideAndFadeToTheirEdge) {
         const auto& turns = inside[i].turns;
         if (!turns.empty()) factor = 0;
         for (std::uint32_t turn = 0; turn < turns.size(); ++turn)
-          factor += factor_at(glm::dvec2(sample_place(turns[turn], turn & 3))) / static_cast<double>(turns.size());
+          factor += factor_at(glm::dvec2(sample_place(turns[turn], shaded_sample(turns[turn])))) /
+                    static_cast<double>(turns.size());
         const double lit = everywhere[i].radiance[pixel].g;
         ASSERT_GT(lit, 0);
         const double found = inside[i].radiance[pixel].g / lit;

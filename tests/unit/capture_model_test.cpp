@@ -252,6 +252,7 @@ TEST(CaptureSummary, CountsAndNamesFeatures) {
   EXPECT_EQ(summary["hash"], "abc");
   EXPECT_EQ(summary["features"], (nlohmann::json{"textures", "alpha test", "normal maps", "emissive", "two-sided",
                                                  "instancing", "shadows"}));
+  EXPECT_EQ(summary["feature_reasons"]["alpha test"], "1 of 2 materials: leaf");
   EXPECT_EQ(summary["frames"][1]["draws"], 0);
   EXPECT_EQ(summary["notices"], nlohmann::json::array());
   EXPECT_TRUE(used_features(Capture{}).empty());
@@ -264,10 +265,9 @@ TEST(CaptureSummary, NamesWhatVersion2Adds) {
   const std::vector<std::string> all{
       "textures",    "alpha test",     "normal maps",   "emissive",           "two-sided", "instancing", "shadows",
       "spot lights", "vertex colours", "second UV set", "texture transforms", "samplers",  "unlit"};
-  EXPECT_EQ(used_features(capture), all);
+  EXPECT_EQ(summary["features"], nlohmann::json(all));
   const auto has = [&](const char* feature) {
-    const std::vector<std::string> features = used_features(capture);
-    return std::find(features.begin(), features.end(), feature) != features.end();
+    return std::ranges::any_of(used_features(capture), [&](const UsedFeature& used) { return used.name == feature; });
   };
   // What stands in a capture without any effect is not used.
   capture.materials[1].base_colour_texture = capture.materials[1].normal_texture = kNone;
@@ -279,6 +279,45 @@ TEST(CaptureSummary, NamesWhatVersion2Adds) {
   EXPECT_TRUE(has("samplers"));
   capture.frames[0].draws[0].material = 0;
   EXPECT_FALSE(has("unlit"));
+}
+
+// Why a feature is needed: which materials, or how many draws or frames, of those that are drawn.
+TEST(CaptureSummary, SaysWhyAFeatureIsNeeded) {
+  Capture capture;
+  capture.materials.resize(8);
+  for (std::size_t i = 0; i < 8; ++i) {
+    capture.materials[i].name = i == 1 ? "" : "m" + std::to_string(i);
+    capture.materials[i].metallic = 1;
+  }
+  capture.materials[0].name = "a\nb" + std::string(100, 'x');
+  capture.frames.resize(3);
+  capture.frames[1].sun.emplace();
+  capture.frames[1].sun->shadows = true;
+  Draw draw;
+  for (std::uint32_t i : {0u, 1u}) {
+    draw.material = i;
+    draw.instance_count = i + 1;
+    capture.frames[i].draws.push_back(draw);
+  }
+  const auto why = [&](const char* feature) {
+    for (const UsedFeature& used : used_features(capture))
+      if (used.name == feature) return used.why;
+    return std::string("not needed");
+  };
+  EXPECT_EQ(why("instancing"), "1 of 2 draws");
+  EXPECT_EQ(why("shadows"), "1 of 3 frames have a sun that casts them");
+  EXPECT_EQ(why("alpha test"), "not needed");
+  const std::string metal = why("metal");
+  EXPECT_TRUE(metal.starts_with("2 of 2 materials: a\\x0ab")) << metal;
+  EXPECT_TRUE(metal.ends_with(", material 1")) << metal;
+  EXPECT_LT(metal.size(), 120u);
+  for (std::uint32_t i = 2; i < 8; ++i) {
+    draw.material = i;
+    capture.frames[2].draws.push_back(draw);
+  }
+  capture.materials[7].metallic = 0;
+  EXPECT_TRUE(why("metal").starts_with("7 of 8 materials: ")) << why("metal");
+  EXPECT_TRUE(why("metal").ends_with(", material 1, m2, m3, m4 and 2 more")) << why("metal");
 }
 
 TEST(CaptureCamera, SineIsTheMachinesToElevenDigits) {
