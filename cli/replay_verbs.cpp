@@ -39,6 +39,7 @@ struct ReplayFlags {
   bool validate = false;
   std::uint32_t samples = 8, repeat = 3, reference_samples = 512;
   std::optional<std::uint32_t> point_lights;
+  std::string memory;
   std::shared_ptr<EngineFlags> engine;
 };
 
@@ -103,6 +104,7 @@ void replay_and_write(const ReplayFlags& flags, const ReplayInspection& inspecti
   job.options.repeat = flags.repeat;
   job.options.reference_samples = flags.reference_samples;
   job.options.point_lights = flags.point_lights;
+  if (!flags.memory.empty()) job.options.memory_mib = replay::parse_memory(flags.memory, "--memory");
 
   Results results;
   const std::unique_ptr<server::ReplayEngine> engine =
@@ -269,6 +271,9 @@ void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
       ->capture_default_str();
   run->add_option("--lights", flags->point_lights, "Point lights: this many; as recorded when absent")
       ->transform(within(kPointLightsLimit));
+  run->add_option("--memory", flags->memory,
+                  "What a frame's passes may hold at a time, as 512M or 2G: beyond it the frame is drawn in bands, the "
+                  "same bits; no limit when absent");
   run->add_option("--out", flags->out, "Folder for images, maps and results.json")->capture_default_str();
   run->add_option("--json", flags->json_file,
                   "Results file (default OUT/results.json); - prints it instead of the table");

@@ -13,7 +13,7 @@
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "capture_format/reading/capture_file.hpp"
-#include "replay/frame/run_frame.hpp"
+#include "replay/frame/banded_frame.hpp"
 #include "replay/gpu/litmus.hpp"
 #include "replay/host_clock.hpp"
 #include "replay/inspection.hpp"
@@ -37,6 +37,7 @@ void check_limits(const ReplayOptions& options) {
   if (options.width != 0) kWidthLimit.require(options.width);
   if (options.height != 0) kHeightLimit.require(options.height);
   if (options.point_lights) kPointLightsLimit.require(*options.point_lights);
+  kMemoryLimit.require(options.memory_mib);
   kTechniquesLimit.require(options.techniques.size());
 }
 
@@ -98,6 +99,8 @@ class Replay {
 
  private:
   void make_head();
+  // Sets the device's budget.
+  void require_room_for_references();
   void replay_frames(std::uint32_t first, std::uint32_t last);
   // The current frame's reference for a technique's shading model and resolve; null without references.
   std::shared_ptr<const Reference> reference_for(std::uint32_t frame, const TechniqueSetting& planned);
@@ -111,7 +114,7 @@ class Replay {
   // Draws a result that is there already once more, for the next frame's flicker is told from its image.
   void draw_again(std::uint32_t frame, std::size_t which);
   // `stem` is what the names of the result's files begin with.
-  void inspect(RecordedFrame& recorded, const FrameResult& result, const std::string& stem);
+  void inspect(BandedFrame& recorded, const FrameResult& result, const std::string& stem);
   // Errors, maps and files of a result, which lack nothing of the device: on another thread, while this one prepares
   // the next technique and lets it compile. One at a time, and never beside a timed run.
   struct Truths {
@@ -184,6 +187,7 @@ void Replay::make_head() {
   head_.height = height_;
   head_.repeat = options_.repeat;
   head_.reference_samples = options_.reference_samples;
+  head_.memory_mib = options_.memory_mib;
 }
 
 bool Replay::skipped(std::uint32_t frame, std::size_t which) const {
@@ -206,6 +210,7 @@ Results Replay::run() {
   progress("device", 0, 1, fmt::format("{}, {}, {}", head_.device, head_.driver_version, head_.cpu_model));
   progress("load", 0, 1, capture_.metadata.title);
   gpu::require_ordered_access(device_);
+  require_room_for_references();
   scene_ = std::make_unique<FrameScene>(device_, std::move(capture_), SceneOptions{options_.point_lights, 2048},
                                         FrameChoice{first, width_, height_});
   head_.features = scene_->scene.features().names();
@@ -222,12 +227,32 @@ Results Replay::run() {
   }
   finish_measuring();
   now("");
+  for (const FrameResult& result : results_.results) {
+    head_.bands = std::max(head_.bands, result.memory.bands);
+    head_.peak_bytes = std::max(head_.peak_bytes, result.memory.peak_bytes);
+  }
   head_.wall_s = clock_.wall_s();
   head_.outside_gpu_s = head_.wall_s - device_.total_ms() * 1e-3;
   head_.outside_parts_s = clock_.seconds();
   if (events_.head) events_.head(head_);
   results_.head = head_;
   return std::move(results_);
+}
+
+void Replay::require_room_for_references() {
+  if (options_.memory_mib == 0) return;
+  const std::uint64_t budget = std::uint64_t{options_.memory_mib} << 20;
+  device_.ledger().set_budget(budget);
+  if (options_.reference_samples == 0) return;
+  std::uint64_t needed = 0;
+  for (const TechniqueSetting& planned : planned_)
+    needed = std::max(needed, reference_bytes(options_.reference_samples, width_, height_,
+                                              planned.parameters->resolve == Resolve::tone_mapped));
+  if (needed > budget)
+    throw UsageError("memory",
+                     fmt::format("the reference can't be drawn in bands: at {}x{} it needs {} bytes, the budget is {}",
+                                 width_, height_, needed, budget),
+                     "--memory, --reference-samples");
 }
 
 void Replay::replay_frames(std::uint32_t first, std::uint32_t last) {
@@ -270,7 +295,7 @@ void Replay::time_rounds(std::uint32_t frame, const std::vector<std::size_t>& wa
     for (const std::size_t which : wanted) {
       now("prepare");
       FrameResult result = unmeasured(frame, which);
-      RecordedFrame recorded(*scene_, planned_[which]);
+      BandedFrame recorded(*scene_, planned_[which]);
       now("submit");
       result.ms = recorded.time(options_.repeat);
       result.memory = recorded.memory();
@@ -338,11 +363,11 @@ void Replay::run_technique(std::uint32_t frame, std::size_t which) {
   const std::string stem = fmt::format("frame{:04}_{:02}_{}", frame, which, result.technique);
   FrameImages images;
   {  // before the reference, which shows the scene without jitter
-    RecordedFrame recorded(*scene_, planned);
+    BandedFrame recorded(*scene_, planned);
     now("submit");
     result.ms = recorded.time(options_.repeat, [&] { finish_measuring(); });
     result.memory = recorded.memory();
-    result.shading.fragments = recorded.count_fragments();
+    result.shading.fragments = recorded.fragments();
     result.counters = recorded.counters();
     now("measure");
     images = recorded.images();
@@ -380,7 +405,7 @@ void Replay::draw_again(std::uint32_t frame, std::size_t which) {
   now("prepare");
   FrameImages images;
   {
-    RecordedFrame recorded(*scene_, planned_[which]);
+    BandedFrame recorded(*scene_, planned_[which]);
     now("submit");
     recorded.run();
     now("measure");
@@ -391,7 +416,7 @@ void Replay::draw_again(std::uint32_t frame, std::size_t which) {
   before_[which] = std::move(images.display);
 }
 
-void Replay::inspect(RecordedFrame& recorded, const FrameResult& result, const std::string& stem) {
+void Replay::inspect(BandedFrame& recorded, const FrameResult& result, const std::string& stem) {
   if (!inspection_.capture || inspection_.capture->frame != result.frame ||
       inspection_.capture->technique != result.technique)
     return;

@@ -1,7 +1,7 @@
 // How far a run is, what can be done with it, and what was run.
 import {post, remove} from './api.js';
 import {announce, h, replace} from './dom.js';
-import {count, duration, fixed, when} from './format.js';
+import {bytes, count, duration, fixed, when} from './format.js';
 import {frameRange, runSize, statusPill} from './runs_page.js';
 
 /** What was run, as [name, text]. */
@@ -14,6 +14,7 @@ export function factsOf({head, request, started_utc: started}) {
     ['repeats', request.repeat],
     head && ['driver', `${head.driver} ${head.driver_version}`], head && ['device', head.device], head && ['CPU', head.cpu_model],
     head && ['triangles, first frame', count(head.triangles_first_frame)], head && ['point lights', head.point_lights],
+    head?.memory_mib > 0 && ['memory', `at most ${head.memory_mib} MiB${head.bands > 0 ? `: frames in up to ${count(head.bands)} bands, ${bytes(head.peak_bytes)} held` : ''}`],
     head && ['scene needs', head.features.join(', ') || 'nothing special'],
     head?.wall_s > 0 && ['wall time', `${duration(head.wall_s)}, ${fixed((100 * head.outside_gpu_s) / head.wall_s, 0)} % outside of passes`],
     head && ['build', head.build],

@@ -16,6 +16,8 @@ void FrameScene::set_frame(const FrameChoice& choice) {
   width_ = choice.width == 0 ? recorded.width : choice.width;
   height_ = choice.height == 0 ? recorded.height : choice.height;
   scene.set_frame(frame_, width_, height_);
+  band_ = {0, height_, 0, height_};
+  chosen_small_.reset();
   jitter_ = {0, 0};
   prepared_samples_ = 0;
   forget_counts();
@@ -29,10 +31,17 @@ void FrameScene::set_jitter(const glm::dvec2& jitter) {
   forget_counts();
 }
 
+void FrameScene::set_band(const Band& band) {
+  band_ = band;
+  scene.set_band(band.first, band.rows);
+  prepared_samples_ = 0;
+  forget_counts();
+}
+
 void FrameScene::prepare(std::uint32_t samples) {
   if (prepared_samples_ == samples) return;
   frontend.prepare(samples);
-  small_ = choose_small_triangles({frontend, width_, height_});
+  small_ = chosen_small_ ? *chosen_small_ : choose_small_triangles({frontend, width_, band_.rows});
   prepared_samples_ = samples;
 }
 
@@ -43,7 +52,8 @@ void FrameScene::forget_counts() {
 
 std::uint64_t FrameScene::count_fragments() {
   const auto [found, is_new] = fragments_.try_emplace(prepared_samples_, 0);
-  if (is_new) found->second = frontend.count_fragments(width_, height_);
+  if (is_new)
+    found->second = frontend.count_fragments(width_, band_.rows, band_.kept_first - band_.first, band_.kept_rows);
   return found->second;
 }
 

@@ -23,8 +23,10 @@ struct FrameOutputs {
   std::vector<std::pair<std::string, gpu::Image*>> maps;
   // What the passes of the next frame read, of techniques that accumulate frames.
   std::vector<gpu::Image*> history;
-  // Counters filled by the technique's host steps while the passes run.
-  std::map<std::string, std::uint64_t> counters;
+  // Counters filled by the technique's host steps while the passes run: of what they drew; of the frame, whatever rows
+  // of it were drawn; and numbers of records, of which the counter of that name is how many there are.
+  std::map<std::string, std::uint64_t> counters, frame_counters;
+  std::map<std::string, std::vector<bool>> records;
 };
 
 struct FrameSetup : FrontendFrame {
@@ -34,6 +36,9 @@ struct FrameSetup : FrontendFrame {
         common(parameters),
         outputs(frame_outputs),
         samples(parameters.samples) {}
+
+  // Rows of the frame, of which `height` may be a part.
+  std::uint32_t frame_height() const { return static_cast<std::uint32_t>(scene.constants().viewport.y); }
 
   GpuScene& scene;
   const CommonParameters& common;  // of the technique's own type

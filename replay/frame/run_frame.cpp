@@ -51,18 +51,29 @@ FrameImages download_images(gpu::Device& device, const FrameOutputs& outputs) {
   return images;
 }
 
-FrameSetup RecordedFrame::prepare_step(const TemporalParameters& parameters, std::uint32_t current, std::uint32_t steps,
-                                       const Past* before, FrameOutputs& outputs) {
+FrameMotion move_to_step(FrameScene& scene, const TemporalParameters& parameters, std::uint32_t current,
+                         std::uint32_t steps, bool before) {
   const std::uint32_t frame = current - std::min(steps, current);
   const glm::dvec2 jitter = jitter_of(std::int64_t{current} - steps, parameters.jitter);
-  if (scene_.frame() != frame) scene_.set_frame({frame, scene_.width(), scene_.height()});
-  scene_.set_jitter(jitter);
-  FrameSetup setup = prepare_frame(scene_, setting_, outputs);
+  if (scene.frame() != frame) scene.set_frame({frame, scene.width(), scene.height()});
+  scene.set_jitter(jitter);
   const std::uint32_t frame_before = before ? current - std::min(steps + 1, current) : frame;
-  setup.motion = frame_motion(scene_.capture, frame, frame_before, jitter, {scene_.width(), scene_.height()});
-  if (before) setup.history = before->outputs.history;
+  return frame_motion(scene.capture, frame, frame_before, jitter, {scene.width(), scene.height()});
+}
+
+namespace {
+
+FrameSetup prepare_step(FrameScene& scene, const TechniqueSetting& setting, std::uint32_t current, std::uint32_t steps,
+                        const FrameOutputs* before, FrameOutputs& outputs) {
+  const auto& parameters = dynamic_cast<const TemporalParameters&>(*setting.parameters);
+  FrameMotion motion = move_to_step(scene, parameters, current, steps, before != nullptr);
+  FrameSetup setup = prepare_frame(scene, setting, outputs);
+  setup.motion = std::move(motion);
+  if (before != nullptr) setup.history = before->history;
   return setup;
 }
+
+}  // namespace
 
 std::unique_ptr<RecordedFrame::Past> RecordedFrame::run_history() {
   const auto* const temporal = dynamic_cast<const TemporalParameters*>(setting_.parameters.get());
@@ -70,7 +81,8 @@ std::unique_ptr<RecordedFrame::Past> RecordedFrame::run_history() {
   const std::uint32_t current = scene_.frame();
   for (std::uint32_t steps = temporal ? temporal->history : 0; steps > 0; --steps) {
     auto next = std::make_unique<Past>(scene_.frontend.device());
-    const FrameSetup setup = prepare_step(*temporal, current, steps, past.get(), next->outputs);
+    const FrameSetup setup =
+        prepare_step(scene_, setting_, current, steps, past ? &past->outputs : nullptr, next->outputs);
     setting_.technique->record(next->recorder, setup);
     next->recorder.run();
     past = std::move(next);
@@ -82,7 +94,7 @@ std::unique_ptr<RecordedFrame::Past> RecordedFrame::run_history() {
 FrameSetup RecordedFrame::prepare() {
   const auto* const temporal = dynamic_cast<const TemporalParameters*>(setting_.parameters.get());
   if (!temporal) return prepare_frame(scene_, setting_, outputs_);
-  return prepare_step(*temporal, scene_.frame(), 0, past_.get(), outputs_);
+  return prepare_step(scene_, setting_, scene_.frame(), 0, past_ ? &past_->outputs : nullptr, outputs_);
 }
 
 RecordedFrame::RecordedFrame(FrameScene& scene, const TechniqueSetting& setting, PixelStory* story)
@@ -92,6 +104,20 @@ RecordedFrame::RecordedFrame(FrameScene& scene, const TechniqueSetting& setting,
   setting_.technique->record(recorder_, setup_);
 }
 
+RecordedFrame::RecordedFrame(FrameScene& scene, const TechniqueSetting& setting,
+                             const std::function<FrameSetup(FrameOutputs&)>& prepare)
+    : scene_(scene),
+      setting_(setting),
+      owns_jitter_(false),
+      setup_(prepare(outputs_)),
+      recorder_(scene.frontend.device()) {
+  setting_.technique->record(recorder_, setup_);
+}
+
+RecordedFrame::~RecordedFrame() {
+  if (owns_jitter_) scene_.set_jitter({0, 0});
+}
+
 double RecordedFrame::run() {
   recorder_.run();
   double ms = 0;
@@ -99,29 +125,34 @@ double RecordedFrame::run() {
   return ms;
 }
 
-Timing RecordedFrame::time(std::uint32_t repeat, const std::function<void()>& after_cold) {
-  Timing result;
+Runs RecordedFrame::runs(std::uint32_t repeat, const std::function<void()>& after_cold) {
+  Runs result;
   result.cold_ms = run();
   if (after_cold) after_cold();
   if (repeat > 0) recorder_.clear_timings();
-  std::vector<double> processor_ms;
-  std::vector<std::uint64_t> instructions;
   for (std::uint32_t i = 0; i < repeat; ++i) {
     const WorkDone before = work_done();
     recorder_.run();
     const WorkDone after = work_done();
-    processor_ms.push_back(after.processor_ms - before.processor_ms);
-    instructions.push_back(after.instructions - before.instructions);
+    result.processor_ms.push_back(after.processor_ms - before.processor_ms);
+    result.instructions.push_back(after.instructions - before.instructions);
   }
-  if (repeat > 0) {
-    result.processor_ms = *std::ranges::min_element(processor_ms);
-    result.instructions = *std::ranges::min_element(instructions);
+  for (const auto& timing : recorder_.timings()) result.passes.push_back({timing.name, timing.ms});
+  return result;
+}
+
+Timing timing_of(const Runs& runs) {
+  Timing result;
+  result.cold_ms = runs.cold_ms;
+  if (!runs.processor_ms.empty()) {
+    result.processor_ms = *std::ranges::min_element(runs.processor_ms);
+    result.instructions = *std::ranges::min_element(runs.instructions);
   }
-  std::vector<double> totals(std::max(repeat, 1u), 0.0);
-  for (const auto& timing : recorder_.timings()) {
-    result.passes.push_back({timing.name, median(timing.ms)});
+  std::vector<double> totals(std::max<std::size_t>(runs.processor_ms.size(), 1), 0.0);
+  for (const Runs::Pass& pass : runs.passes) {
+    result.passes.push_back({pass.name, median(pass.ms)});
     result.total_ms += result.passes.back().median_ms;
-    for (std::size_t i = 0; i < totals.size(); ++i) totals[i] += timing.ms[i];
+    for (std::size_t i = 0; i < totals.size(); ++i) totals[i] += pass.ms[i];
   }
   const auto [least, most] = std::minmax_element(totals.begin(), totals.end());
   result.spread_ms = *most - *least;
@@ -144,6 +175,7 @@ Memory RecordedFrame::memory() const {
 
 std::map<std::string, std::uint64_t> RecordedFrame::counters() const {
   std::map<std::string, std::uint64_t> counters = outputs_.counters;
+  for (const auto& [name, value] : outputs_.frame_counters) counters[name] = value;
   counters["triangles"] = scene_.scene.triangle_count();
   counters["screen_triangles"] = scene_.frontend.hull_count();
   counters["clipped_triangles"] = scene_.frontend.clipped_count();
@@ -152,9 +184,15 @@ std::map<std::string, std::uint64_t> RecordedFrame::counters() const {
 }
 
 std::map<std::string, std::uint64_t> RecordedFrame::count_fragments() {
+  const Band& band = scene_.band();
+  // Passes over lists go through all of their fragments, or, where all rows count, through some.
+  const auto kept_of_lists = [&](std::uint64_t fragments) {
+    if (!setup_.lists || setup_.lists->kept == setup_.lists->count) return fragments;
+    return fragments / setup_.lists->count * setup_.lists->kept;
+  };
   std::map<std::string, std::uint64_t> fragments;
   for (const auto& timing : recorder_.timings()) {
-    std::uint64_t count = timing.screen_pixels + timing.listed_fragments;
+    std::uint64_t count = timing.screen_pixels / band.rows * band.kept_rows + kept_of_lists(timing.listed_fragments);
     if (timing.times_all > 0) count += timing.times_all * scene_.count_fragments();
     if (count > 0) fragments[timing.name] = count;
   }

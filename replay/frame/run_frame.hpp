@@ -20,6 +20,11 @@ namespace subpixel::replay {
 // before passes are recorded. `setting` and `outputs` have to outlive the result.
 FrameSetup prepare_frame(FrameScene& scene, const TechniqueSetting& setting, FrameOutputs& outputs);
 
+// A frame `steps` before `current`, of a technique that accumulates them: made current with its jitter, and how the
+// scene moved since the one before it. `before`: does anything come before it?
+FrameMotion move_to_step(FrameScene& scene, const TemporalParameters& parameters, std::uint32_t current,
+                         std::uint32_t steps, bool before);
+
 struct FrameImages {
   Image radiance, display;                                 // three channels: linear radiance, display values
   std::vector<float> executions;                           // lighting executions of each pixel
@@ -27,13 +32,29 @@ struct FrameImages {
 };
 FrameImages download_images(gpu::Device& device, const FrameOutputs& outputs);
 
+// The times of a frame's runs, before they are summed up.
+struct Runs {
+  struct Pass {
+    std::string name;
+    std::vector<double> ms;  // of each run that counts
+  };
+  double cold_ms = 0;
+  std::vector<Pass> passes;
+  std::vector<double> processor_ms;
+  std::vector<std::uint64_t> instructions;
+};
+Timing timing_of(const Runs& runs);
+
 // The passes of a technique for the scene's current frame, to be run any number of times. The scene may not change
 // meanwhile. Of techniques that accumulate frames, the frames before have been run, untimed, for their history.
 class RecordedFrame {
  public:
   // `story`: told by the passes, too, and by story().
   RecordedFrame(FrameScene& scene, const TechniqueSetting& setting, PixelStory* story = nullptr);
-  ~RecordedFrame() { scene_.set_jitter({0, 0}); }
+  // Of what `prepare` makes, which leaves its history and whatever it sets of the scene to the caller.
+  RecordedFrame(FrameScene& scene, const TechniqueSetting& setting,
+                const std::function<FrameSetup(FrameOutputs&)>& prepare);
+  ~RecordedFrame();
   RecordedFrame(const RecordedFrame&) = delete;
   RecordedFrame& operator=(const RecordedFrame&) = delete;
 
@@ -41,12 +62,17 @@ class RecordedFrame {
   double run();
   // Runs them for the first time, then `repeat` times that count; the passes of a `repeat` of 0 have the first run's
   // times. `after_cold` is called between.
-  Timing time(std::uint32_t repeat, const std::function<void()>& after_cold = {});
+  Timing time(std::uint32_t repeat, const std::function<void()>& after_cold = {}) {
+    return timing_of(runs(repeat, after_cold));
+  }
+  Runs runs(std::uint32_t repeat, const std::function<void()>& after_cold = {});
 
   // Of what the last run left.
   Memory memory() const;
   std::map<std::string, std::uint64_t> counters() const;
   FrameImages images() { return download_images(recorder_.device(), outputs_); }
+  const FrameSetup& setup() const { return setup_; }
+  const FrameOutputs& outputs() const { return outputs_; }
 
   // What Shading::fragments says of every pass; counted on the spot.
   std::map<std::string, std::uint64_t> count_fragments();
@@ -62,13 +88,11 @@ class RecordedFrame {
     gpu::PassRecorder recorder;
   };
   std::unique_ptr<Past> run_history();
-  // `steps` frames before the scene's current one, of a technique that accumulates them.
-  FrameSetup prepare_step(const TemporalParameters& parameters, std::uint32_t current, std::uint32_t steps,
-                          const Past* before, FrameOutputs& outputs);
   FrameSetup prepare();
 
   FrameScene& scene_;
   TechniqueSetting setting_;
+  bool owns_jitter_ = true;
   std::unique_ptr<Past> past_;
   FrameOutputs outputs_;
   FrameSetup setup_;

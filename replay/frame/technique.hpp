@@ -47,6 +47,11 @@ struct Technique {
   // Whose passes go through lists of fragments: always, of what is visible, or where their order (OrderedParameters) is
   // by lists, with these masks.
   std::optional<ListedMasks> lists;
+  // For frames drawn in bands of rows, nothing where they take no more than others: rows beside a pixel's own that its
+  // values depend on; and why bands would leave or have left (counters) what the whole frame does not, empty if they
+  // don't. `whole`: the frame's height, lists summed up.
+  std::function<std::uint32_t(const CommonParameters&)> neighbour_rows;
+  std::function<std::string(const FrameSetup& whole)> whole_only;
 
   // `given` (text or JSON scalars by name) and the defaults for the rest. Throws UsageError naming the valid
   // parameters, the range or the choices.
@@ -62,6 +67,8 @@ struct TechniqueOf {
   std::function<MemoryLayout(const SetupFor<P>&)> layout;
   std::function<void(gpu::PassRecorder&, const SetupFor<P>&)> record;
   std::optional<ListedMasks> lists = {};
+  std::function<std::uint32_t(const P&)> neighbour_rows = {};
+  std::function<std::string(const SetupFor<P>& whole)> whole_only = {};
 
   operator Technique() const {
     return {name,
@@ -76,7 +83,11 @@ struct TechniqueOf {
             [record = record](gpu::PassRecorder& recorder, const FrameSetup& setup) {
               record(recorder, SetupFor<P>(setup));
             },
-            lists};
+            lists,
+            [rows = neighbour_rows](const CommonParameters& parameters) {
+              return rows ? rows(dynamic_cast<const P&>(parameters)) : 0u;
+            },
+            [why = whole_only](const FrameSetup& whole) { return why ? why(SetupFor<P>(whole)) : std::string(); }};
   }
 };
 

@@ -49,6 +49,7 @@ void record_collection(gpu::PassRecorder& recorder, const FrontendFrame& frame, 
 
   Frontend::GeometryPass rest;
   rest.without_small = true;
+  rest.rasterise_frame = true;
   rest.fragment_opaque = rest.fragment_alpha = "frontend/collect.frag:" + variant;
   rest.pass.name = name;
   rest.pass.pipeline.constants = {{CONSTANT_ALPHA_MODE, static_cast<std::uint32_t>(frame.alpha)},
@@ -121,6 +122,14 @@ std::vector<FragmentLists::Batch> batches_of(const Frontend& frontend, const Cou
   return batches;
 }
 
+// Of `count` fragments, those in rows that count; after a run.
+std::uint64_t kept_fragments(const FrontendFrame& frame, const Counted& counted, std::uint64_t count) {
+  if (frame.kept_rows == 0) return count;
+  const auto begins = counted.ends->as<std::uint32_t>().first(std::size_t{frame.width} * frame.height);
+  const auto before = [&](std::size_t row) { return row < frame.height ? begins[row * frame.width] : count; };
+  return before(std::size_t{frame.kept_first} + frame.kept_rows) - before(frame.kept_first);
+}
+
 FragmentLists lists_of(const Counted& counted) {
   FragmentLists lists;  // without the two that are sized by counting, which does not touch them
   lists.ends = counted.ends;
@@ -159,37 +168,51 @@ gpu_types::ListAddresses FragmentLists::writes(gpu::AddressUses& pass) const {
   return {.fragments = address(fragments), .numbers = address(numbers), .ends = address(ends), .bases = address(bases)};
 }
 
-std::optional<FragmentListSizes> measure_fragment_lists(const FrontendFrame& frame, ListedMasks masks) {
+bool lists_are_possible(const Frontend& frontend, std::uint64_t pixels) {
+  if (groups_of(frontend.small_count(true)) + 64 > kMostGroups) return false;
+  // Sums over pixels and records are taken through bound ranges.
+  return std::max(pixels, frontend.record_count()) * 4 <= frontend.device().info().max_storage_buffer_range;
+}
+
+CountedFragments count_fragment_lists(const FrontendFrame& frame, ListedMasks masks) {
   Frontend& frontend = frame.frontend;
-  if (groups_of(frontend.small_count(true)) + 64 > kMostGroups) return std::nullopt;
   gpu::PassRecorder counting(frontend.device());
   frontend.record_setup(counting);
   const Counted counted = make_counted(counting, frame);
-  // Sums over pixels and records are taken through bound ranges.
-  if (std::max(counted.ends->bytes(), counted.bases->bytes()) > frontend.device().info().max_storage_buffer_range)
-    return std::nullopt;
   record_counting(counting, frame, counted, lists_of(counted), "measure", masks);
   counting.run();
   const auto sums = counted.chunk_sums->as<glm::uvec4>();
-  FragmentListSizes sizes;
+  CountedFragments found;
+  FragmentListSizes& sizes = found.sizes;
   sizes.masks = masks;
   sizes.count = sums[frontend.chunk_count()].x;
   sizes.triangles = sums[frontend.chunk_count()].y;
+  sizes.kept = kept_fragments(frame, counted, sizes.count);
   const auto begins = counted.ends->as<std::uint32_t>().first(std::size_t{frame.width} * frame.height);
   // The device's sums are modulo 2^32; a single pixel's are right.
-  std::uint64_t total = 0;
-  std::uint32_t longest = 0;
   for (std::size_t p = 0; p < begins.size(); ++p) {
     const auto next = p + 1 < begins.size() ? begins[p + 1] : static_cast<std::uint32_t>(sizes.count);
-    total += next - begins[p];
-    longest = std::max(longest, next - begins[p]);
+    found.total += next - begins[p];
+    found.longest = std::max(found.longest, next - begins[p]);
   }
-  const std::uint64_t most =
-      std::max(kMostFragmentsPerPixel * frame.width * frame.height, kMostFragmentsPerTriangle * frontend.hull_count());
-  if (total > std::clamp(most, kAnyFragments, kMostFragments) || longest > kLongestList) return std::nullopt;
-  if (longest > kLongestListOfShortLoops && !runs_long_loops(frontend.device())) return std::nullopt;
   sizes.batches = batches_of(frontend, counted);
-  return sizes;
+  return found;
+}
+
+bool lists_pay(gpu::Device& device, std::uint64_t total, std::uint32_t longest, std::uint64_t pixels,
+               std::uint64_t triangles) {
+  const std::uint64_t most = std::max(kMostFragmentsPerPixel * pixels, kMostFragmentsPerTriangle * triangles);
+  if (total > std::clamp(most, kAnyFragments, kMostFragments) || longest > kLongestList) return false;
+  return longest <= kLongestListOfShortLoops || runs_long_loops(device);
+}
+
+std::optional<FragmentListSizes> measure_fragment_lists(const FrontendFrame& frame, ListedMasks masks) {
+  Frontend& frontend = frame.frontend;
+  const std::uint64_t pixels = std::uint64_t{frame.width} * frame.height;
+  if (!lists_are_possible(frontend, pixels)) return std::nullopt;
+  CountedFragments found = count_fragment_lists(frame, masks);
+  if (!lists_pay(frontend.device(), found.total, found.longest, pixels, frontend.hull_count())) return std::nullopt;
+  return std::move(found.sizes);
 }
 
 FragmentListSizes measure_visible_fragments(const FrontendFrame& frame) {
@@ -203,6 +226,7 @@ FragmentListSizes measure_visible_fragments(const FrontendFrame& frame) {
   sizes.masks = ListedMasks::visible;
   const glm::uvec4 total = counted.chunk_sums->as<glm::uvec4>()[frame.frontend.chunk_count()];
   sizes.count = total.x;
+  sizes.kept = kept_fragments(frame, counted, sizes.count);
   sizes.triangles = total.y;
   sizes.batches = batches_of(frame.frontend, counted);
   return sizes;

@@ -49,6 +49,7 @@ enum class ListedMasks : std::uint32_t { later = 0, collected = 1, visible = 2 }
 struct FragmentListSizes {
   ListedMasks masks = ListedMasks::later;
   std::uint64_t count = 0;
+  std::uint64_t kept = 0;       // of `count`, those in rows that count (FrontendFrame)
   std::uint64_t triangles = 0;  // that have any
   std::vector<FragmentLists::Batch> batches;
 };
@@ -56,6 +57,19 @@ struct FragmentListSizes {
 // Counts the fragments of the frame by a run on the spot. Nothing when it is not within the limits above and the
 // device's.
 std::optional<FragmentListSizes> measure_fragment_lists(const FrontendFrame& frame, ListedMasks masks);
+
+// The parts of that, for frames in bands: could a device go through lists of a frame of so many pixels that has these
+// triangles; the fragments of what is prepared; are they, the longest list of a pixel and the frame's triangles on the
+// screen within the limits.
+bool lists_are_possible(const Frontend& frontend, std::uint64_t pixels);
+struct CountedFragments {
+  FragmentListSizes sizes;
+  std::uint64_t total = 0;
+  std::uint32_t longest = 0;
+};
+CountedFragments count_fragment_lists(const FrontendFrame& frame, ListedMasks masks);
+bool lists_pay(gpu::Device& device, std::uint64_t total, std::uint32_t longest, std::uint64_t pixels,
+               std::uint64_t triangles);
 
 // Collects the fragments of the frame that was measured, passes `name`. Set-up is recorded already.
 FragmentLists record_fragment_lists(gpu::PassRecorder& recorder, const FrontendFrame& frame,

@@ -7,6 +7,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "base/error.hpp"
+#include "replay/frontend/count_image.hpp"
 #include "replay/frontend/list_passes.hpp"
 
 namespace subpixel::replay {
@@ -273,12 +274,10 @@ gpu_types::HullPush Frontend::hull_push(gpu::AddressUses& pass, std::uint32_t ma
           .last_fragment = 0};
 }
 
-std::uint64_t Frontend::count_fragments(std::uint32_t width, std::uint32_t height) {
+std::uint64_t Frontend::count_fragments(std::uint32_t width, std::uint32_t height, std::uint32_t first,
+                                        std::uint32_t rows) {
   gpu::PassRecorder recorder(device_);
-  // Additive blending needs floats, which count exactly to 2^24 a pixel.
-  constexpr VkFormat kCount = VK_FORMAT_R32_SFLOAT;
-  gpu::Image& counts = recorder.image({"fragments", kCount, width, height, 1, 1, VK_SAMPLE_COUNT_1_BIT,
-                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, false});
+  gpu::Image& counts = recorder.image(count_image(width, height));
   GeometryPass geometry;
   geometry.fragment_opaque = geometry.fragment_alpha = "frontend/count_fragments.frag";
   geometry.pass.name = "fragments";
@@ -291,7 +290,8 @@ std::uint64_t Frontend::count_fragments(std::uint32_t width, std::uint32_t heigh
   recorder.run();
   const auto bytes = gpu::download(device_, counts);
   std::uint64_t total = 0;
-  for (std::size_t at = 0; at < bytes.size(); at += sizeof(float)) {
+  const std::size_t row_bytes = std::size_t{width} * sizeof(float);
+  for (std::size_t at = first * row_bytes; at < (first + rows) * row_bytes; at += sizeof(float)) {
     float here = 0;
     std::memcpy(&here, bytes.data() + at, sizeof(here));
     total += static_cast<std::uint64_t>(here);
@@ -314,6 +314,15 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_UV_MAPPINGS, scene_.uv_mappings));
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_MATERIALS, scene_.materials));
   pass.triangles = gpu::Triangles::all;
+  const glm::uvec4 band = scene_.constants().band;
+  const auto frame_rows = static_cast<std::uint32_t>(scene_.constants().viewport.y);
+  if (geometry.rasterise_frame) {
+    pass.size[1] = frame_rows;
+    pass.scissor_rows = {band.x, band.y};
+  } else {
+    pass.first_row = band.x;
+    pass.frame_rows = frame_rows;
+  }
   gpu::Buffer& commands = geometry.without_small ? rest_commands_
                           : geometry.by_material ? material_commands_
                                                  : visibility_commands_;

@@ -28,13 +28,20 @@ class Frontend {
     gpu::RasterPass pass;
     std::string fragment_opaque, fragment_alpha;
     bool by_material = false;
+    // Has pixels of the frame's numbers even where rows of it are drawn: for shaders to which hulls matter, not only
+    // what they hold. Of passes without attachments.
+    bool rasterise_frame = false;
     bool without_small = false;  // leaves out the triangles that record_small_list() listed; not with `by_material`
   };
   void record_geometry(gpu::PassRecorder& recorder, GeometryPass geometry);
 
   // Fragments of a geometry pass, counted by drawing it once more after the recorded passes have run: pixels, summed
   // over triangles, of which the triangle covers a sample, before depth and alpha.
-  std::uint64_t count_fragments(std::uint32_t width, std::uint32_t height);
+  // Of `width` x `height` pixels, rows `first` to `first` + `rows` - 1.
+  std::uint64_t count_fragments(std::uint32_t width, std::uint32_t height, std::uint32_t first, std::uint32_t rows);
+  std::uint64_t count_fragments(std::uint32_t width, std::uint32_t height) {
+    return count_fragments(width, height, 0, height);
+  }
 
   // Triangles so small that passes do better to find their pixels in compute (COUNT_SMALL_ bits): how many, known from
   // prepare(); where their records are listed, in submission order, once the passes named `name` have run. Alpha-tested
@@ -54,7 +61,8 @@ class Frontend {
   std::uint64_t clipped_count() const { return clipped_; }          // source triangles that crossed a clip plane
   std::uint64_t allocated_bytes() const;
   GpuScene& scene() { return scene_; }
-  gpu::Device& device() { return device_; }
+  gpu::Device& device() const { return device_; }
+  std::uint64_t record_count() const { return records_.bytes() / sizeof(gpu_types::TriangleRecord); }
   gpu::Buffer& clip_matrices() { return clip_matrices_; }  // object to clip, one for each instance
   std::uint32_t triangle_slots() const { return chunk_count_ * SUBPIXEL_CHUNK_TRIANGLES; }  // records of pieces follow
   // Consecutive draws of one material, as chunks of SUBPIXEL_CHUNK_TRIANGLES triangles.

@@ -64,8 +64,9 @@ SmallLists record_small_lists(gpu::PassRecorder& recorder, const FrontendFrame& 
   return lists;
 }
 
-// Does a block's list outgrow the loops of the device? Lists are counted only where that is possible.
-bool lists_too_long(const FrontendFrame& frame) {
+}  // namespace
+
+bool small_lists_too_long(const FrontendFrame& frame) {
   Frontend& frontend = frame.frontend;
   if (frontend.small_count() < kMostEntries || runs_long_loops(frontend.device())) return false;
   gpu::PassRecorder counting(frontend.device());
@@ -78,6 +79,8 @@ bool lists_too_long(const FrontendFrame& frame) {
     longest = std::max(longest, ends[block] - ends[block - 1]);
   return longest >= kMostEntries;
 }
+
+namespace {
 
 // Small triangles of sample group `g` into the image.
 void record_small_triangles(gpu::PassRecorder& recorder, const FrontendFrame& frame, gpu::Image& image,
@@ -151,14 +154,18 @@ std::uint32_t visibility_group(std::uint32_t samples) {
   return std::min(samples, 16u);
 }
 
-SmallTriangles choose_small_triangles(const FrontendFrame& frame) {
-  const Frontend& frontend = frame.frontend;
-  const std::uint64_t range = frame.frontend.device().info().max_storage_buffer_range;
+bool small_lists_pay(const Frontend& frontend, std::uint64_t pixels) {
+  const gpu::DeviceInfo& info = frontend.device().info();
+  const std::uint64_t range = info.max_storage_buffer_range;
   // Lists cost about what the hulls of 1/32 as many triangles as pixels do.
-  const bool in_lists = frame.frontend.device().info().ordered_attachments &&
-                        32 * frontend.small_count() > std::uint64_t{frame.width} * frame.height &&
-                        frontend.small_count() * sizeof(gpu_types::SmallTriangle) <= range &&
-                        (frontend.small_blocks() + 1) * 4 <= range && !lists_too_long(frame);
+  return info.ordered_attachments && 32 * frontend.small_count() > pixels &&
+         frontend.small_count() * sizeof(gpu_types::SmallTriangle) <= range &&
+         (frontend.small_blocks() + 1) * 4 <= range;
+}
+
+SmallTriangles choose_small_triangles(const FrontendFrame& frame) {
+  const bool in_lists =
+      small_lists_pay(frame.frontend, std::uint64_t{frame.width} * frame.height) && !small_lists_too_long(frame);
   return in_lists ? SmallTriangles::in_lists : SmallTriangles::as_hulls;
 }
 

@@ -6,6 +6,11 @@
 
 namespace subpixel::replay {
 
+// The parts of the choice below, for frames in bands: do lists pay for a frame of so many pixels with these triangles;
+// does a block's list of what is prepared outgrow the loops of the device (counted only where that is possible)?
+bool small_lists_pay(const Frontend& frontend, std::uint64_t pixels);
+bool small_lists_too_long(const FrontendFrame& frame);
+
 // The faster way for the small triangles of the frame, by their number. Where the device ends long loops, a run on the
 // spot may count the lists.
 SmallTriangles choose_small_triangles(const FrontendFrame& frame);

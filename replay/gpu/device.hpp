@@ -10,6 +10,7 @@
 
 #include "replay/gpu/handle.hpp"
 #include "replay/gpu/instance.hpp"
+#include "replay/gpu/memory_ledger.hpp"
 #include "replay/gpu/shader_library.hpp"
 
 namespace subpixel::gpu {
@@ -71,6 +72,7 @@ class Device {
   VkPhysicalDevice physical() const { return physical_; }
   const ShaderLibrary& shaders() const { return shaders_; }
   PipelineCache& pipelines() { return *pipelines_; }
+  MemoryLedger& ledger() { return ledger_; }
 
   template <typename Handle>
   void name(VkObjectType type, Handle object, const std::string& name) const {
@@ -118,6 +120,7 @@ class Device {
   float timestamp_period_ns_ = 1;
   VkPhysicalDeviceMemoryProperties memory_{};
   double total_ms_ = 0;
+  MemoryLedger ledger_;
   DeviceInfo info_;
   std::map<VkDeviceAddress, AddressedBuffer> addresses_;
   std::unique_ptr<PipelineCache> pipelines_;

@@ -66,17 +66,29 @@ void DrawEncoder::viewport(float x, float y, float width, float height) {
 PassRecorder::PassRecorder(Device& device) : device_(device), nearest_(device, kNearestClamped) {}
 PassRecorder::~PassRecorder() {
   for (const Pipeline* pipeline : pipelines_) pipeline->wait();
+  device_.ledger().release(held_);
+}
+
+void PassRecorder::hold(const std::string& name, std::uint64_t bytes) {
+  device_.ledger().hold(name, bytes);
+  held_ += bytes;
 }
 
 Buffer& PassRecorder::buffer(std::string name, VkDeviceSize bytes) {
-  return buffers_.emplace_back(device_, std::move(name), bytes);
+  Buffer made(device_, std::move(name), bytes);  // which knows what it takes
+  hold(made.name(), made.bytes());
+  return buffers_.emplace_back(std::move(made));
 }
 Image& PassRecorder::image(const ImageDescription& description) {
-  return images_.emplace_back(device_, description);
+  Image made(device_, description);
+  hold(description.name, made.bytes());
+  return images_.emplace_back(std::move(made));
 }
 
 AddressTable& PassRecorder::address_table(std::string name, VkDeviceSize bytes) {
-  return tables_.emplace_back(device_, std::move(name), bytes);
+  AddressTable made(device_, std::move(name), bytes);
+  hold(made.buffer().name(), made.bytes());
+  return tables_.emplace_back(std::move(made));
 }
 
 std::uint64_t PassRecorder::allocated_bytes() const {
@@ -424,8 +436,13 @@ void PassRecorder::raster(RasterPass pass) {
     bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.bindings, ordered ? pass.colours : std::vector<Attachment>{});
     DrawEncoder encoder(device_, commands, pass);
     encoder.push(pass.push);
-    encoder.viewport(0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height));
-    const VkRect2D scissor{{0, 0}, extent};
+    const auto height = static_cast<float>(pass.frame_rows > 0 ? pass.frame_rows : extent.height);
+    encoder.viewport(0, -static_cast<float>(pass.first_row), static_cast<float>(extent.width), height);
+    VkRect2D scissor{{0, 0}, extent};
+    if (pass.scissor_rows[1] > 0) {
+      scissor.offset.y = static_cast<std::int32_t>(pass.scissor_rows[0]);
+      scissor.extent.height = pass.scissor_rows[1];
+    }
     vkCmdSetScissor(commands, 0, 1, &scissor);
     if (pass.draws)
       pass.draws(encoder);

@@ -144,7 +144,11 @@ struct RasterPass : AddressUses {
   std::vector<RasterDescription> alternatives;  // that `draws` may bind; the targets are the same
   std::vector<Attachment> colours;
   Image* depth = nullptr;
-  std::array<std::uint32_t, 2> size{};                      // pixels; of a pass without attachments
+  std::array<std::uint32_t, 2> size{};  // pixels; of a pass without attachments
+  // Where the targets are rows of a higher frame: the first of them, and how many the frame has; 0: as the targets.
+  std::uint32_t first_row = 0, frame_rows = 0;
+  // Rows of the targets that are drawn to, the first and how many; 0: all.
+  std::array<std::uint32_t, 2> scissor_rows{};
   std::vector<std::array<std::uint32_t, 4>> clear_colours;  // bits; with targets.clear, one each
   float clear_depth = 0;
   std::vector<Binding> bindings;
@@ -169,7 +173,8 @@ class PassRecorder {
   PassRecorder(const PassRecorder&) = delete;
   PassRecorder& operator=(const PassRecorder&) = delete;
 
-  // Resources the technique owns; counted in allocated_bytes. References stay valid for the recorder's life.
+  // Resources the technique owns; counted in allocated_bytes and held in the device's ledger, which may throw
+  // OverBudget. References stay valid for the recorder's life.
   Buffer& buffer(std::string name, VkDeviceSize bytes);
   Image& image(const ImageDescription& description);
   AddressTable& address_table(std::string name, VkDeviceSize bytes);
@@ -190,6 +195,7 @@ class PassRecorder {
   Device& device() { return device_; }
 
  private:
+  void hold(const std::string& name, std::uint64_t bytes);
   struct Use {
     Buffer* buffer = nullptr;
     Image* image = nullptr;
@@ -223,6 +229,7 @@ class PassRecorder {
   Sampler nearest_;
   std::vector<UniqueFramebuffer> framebuffers_;
   std::vector<const Pipeline*> pipelines_;
+  std::uint64_t held_ = 0;
 };
 
 }  // namespace subpixel::gpu

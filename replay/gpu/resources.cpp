@@ -199,4 +199,23 @@ std::vector<std::byte> download(Device& device, Image& image, std::uint32_t laye
   return {staging.mapped().begin(), staging.mapped().begin() + static_cast<std::ptrdiff_t>(bytes)};
 }
 
+void copy_rows(Device& device, Image& from, std::uint32_t first, Image& to, std::uint32_t to_first,
+               std::uint32_t rows) {
+  device.run(from.description().name + " rows", [&](VkCommandBuffer commands) {
+    transition(commands, from,
+               {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL});
+    transition(
+        commands, to,
+        {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL});
+    VkImageCopy copy{};
+    copy.srcSubresource = {from.aspect(), 0, 0, 1};
+    copy.srcOffset = {0, static_cast<std::int32_t>(first), 0};
+    copy.dstSubresource = {to.aspect(), 0, 0, 1};
+    copy.dstOffset = {0, static_cast<std::int32_t>(to_first), 0};
+    copy.extent = {from.description().width, rows, 1};
+    vkCmdCopyImage(commands, from.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.handle(),
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+  });
+}
+
 }  // namespace subpixel::gpu

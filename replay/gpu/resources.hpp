@@ -139,5 +139,7 @@ std::uint32_t bytes_per_texel(VkFormat format);
 void upload(Device& device, Image& image, std::uint32_t mip, std::uint32_t layer, std::span<const std::byte> texels);
 // The texels of mip 0 of one layer, tightly packed, rows top to bottom; waits.
 std::vector<std::byte> download(Device& device, Image& image, std::uint32_t layer = 0);
+// Copies `rows` rows of one layer between images of one width and format; waits.
+void copy_rows(Device& device, Image& from, std::uint32_t first, Image& to, std::uint32_t to_first, std::uint32_t rows);
 
 }  // namespace subpixel::gpu

@@ -130,6 +130,12 @@ void take_story(Work& work, std::uint32_t turn, PixelReference& told) {
 
 }  // namespace
 
+std::uint64_t reference_bytes(std::uint32_t samples, std::uint32_t width, std::uint32_t height, bool tone_map_samples) {
+  // Triangles and depths of a turn's samples, and sums of four channels.
+  const std::uint64_t side = turn_side(samples, width, height);
+  return std::uint64_t{width} * height * (side * side * 2 * 4 + (tone_map_samples ? 3 : 2) * 16);
+}
+
 ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
                                 const ReferenceProgress& progress) {
   kReferenceSamplesLimit.require(options.samples);
@@ -165,6 +171,7 @@ ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const Refe
   target.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   gpu::Image& depth = turns.image(target);
 
+  device.ledger().require("reference", work.sums.bytes() + work.compensation.bytes() + work.display_sums.bytes());
   turns.raster(visibility_pass(scene, work, seen, depth, side));
   gpu::ComputePass accumulate =
       pixel_pass("reference shading", options.story ? "reference/accumulate.comp:STORY" : "reference/accumulate.comp",

@@ -42,6 +42,9 @@ struct ReferenceImage {
 // Called after each turn with turns done and turns in all (samples / 4 or / 16, turns.hpp). May throw to stop.
 using ReferenceProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
 
+// What it holds by pixel; it is drawn whole, since the device's rasteriser rounds a little differently in other rows.
+std::uint64_t reference_bytes(std::uint32_t samples, std::uint32_t width, std::uint32_t height, bool tone_map_samples);
+
 // Each turn draws triangle numbers at two or four times the width and height, which is four or sixteen samples a pixel
 // (and on lavapipe faster than the driver's own), and shades each triangle a pixel's samples see once, so a pixel has
 // at least as many shading samples as there are turns. Samples and shading points of all turns are spread evenly over

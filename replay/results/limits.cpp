@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <nlohmann/json.hpp>
@@ -16,8 +17,9 @@
 namespace subpixel::replay {
 namespace {
 
-constexpr std::array kLimits{kSamplesLimit,     kWidthLimit,      kHeightLimit,   kRepeatLimit,  kReferenceSamplesLimit,
-                             kPointLightsLimit, kTechniquesLimit, kPriorityLimit, kRetriesLimit, kResultsLimit};
+constexpr std::array kLimits{kSamplesLimit,          kWidthLimit,       kHeightLimit, kRepeatLimit,
+                             kReferenceSamplesLimit, kPointLightsLimit, kMemoryLimit, kTechniquesLimit,
+                             kPriorityLimit,         kRetriesLimit,     kResultsLimit};
 constexpr std::size_t kMaxQuotedBytes = 40;
 static_assert(kPointLightsLimit.high == SUBPIXEL_MAX_POINT_LIGHTS);
 
@@ -69,6 +71,21 @@ std::pair<std::uint32_t, std::uint32_t> parse_size(std::string_view text, std::s
   }
   const std::string both = fmt::format("{} {}", where, text);
   return {kWidthLimit.parse(text.substr(0, x), both), kHeightLimit.parse(text.substr(x + 1), both)};
+}
+
+std::uint32_t parse_memory(std::string_view text, std::string_view where) {
+  constexpr std::uint64_t kMibOfGib = 1024;
+  const char unit = text.empty() ? '\0' : text.back();
+  const auto value = parse_number<std::uint64_t>(text.substr(0, text.empty() ? 0 : text.size() - 1));
+  if ((unit != 'M' && unit != 'G') || !value)
+    throw UsageError("memory",
+                     fmt::format("'{}' is not a whole number with M or G behind it, as in 512M", printable(text, 40)),
+                     std::string(where));
+  const std::uint64_t most = kMemoryLimit.high + 1;
+  const std::uint64_t mib = unit == 'M' ? *value : std::min(*value, most) * kMibOfGib;
+  if (!kMemoryLimit.holds(mib))
+    throw UsageError("memory", kMemoryLimit.refusal(std::to_string(mib)) + " of MiB", std::string(where));
+  return static_cast<std::uint32_t>(mib);
 }
 
 nlohmann::json limits_json() {

@@ -82,6 +82,13 @@ inline constexpr Limit kPointLightsLimit{
     .unit = "lights",
     .meaning = "the first of the capture, extra ones are placed in the scene",
 };
+inline constexpr Limit kMemoryLimit{
+    .name = "memory_mib",
+    .low = 0,
+    .high = 16'777'216,
+    .unit = "MiB",
+    .meaning = "that a frame's passes may hold; a frame that needs more is drawn in bands of rows; 0: no limit",
+};
 inline constexpr Limit kTechniquesLimit{
     .name = "techniques",
     .low = 1,
@@ -121,6 +128,9 @@ nlohmann::json limits_json();
 
 // "1280x720" as width and height, which the limits hold. Throws UsageError that names `where`: "--size".
 std::pair<std::uint32_t, std::uint32_t> parse_size(std::string_view text, std::string_view where);
+
+// "512M" or "2G", powers of two, in MiB, which the limit of memory holds. Throws UsageError that names `where`.
+std::uint32_t parse_memory(std::string_view text, std::string_view where);
 
 // The member of `object` that the limit is named after; `absent` when it is null or not there. Throws InputError.
 std::uint32_t limited(const JsonField& object, const Limit& limit, std::uint32_t absent);

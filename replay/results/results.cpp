@@ -95,7 +95,9 @@ json memory_to_json(const Memory& memory) {
           {"fitted_bytes_per_pixel", memory.fitted_bytes_per_pixel},
           {"paper_bytes", memory.paper_bytes},
           {"fitted_bytes", memory.fitted_bytes},
-          {"allocated_bytes", memory.allocated_bytes}};
+          {"allocated_bytes", memory.allocated_bytes},
+          {"bands", memory.bands},
+          {"peak_bytes", memory.peak_bytes}};
 }
 
 Memory memory_from_json(const JsonField& field) {
@@ -105,6 +107,8 @@ Memory memory_from_json(const JsonField& field) {
   memory.paper_bytes = field.member("paper_bytes").u64();
   memory.fitted_bytes = field.member("fitted_bytes").u64();
   memory.allocated_bytes = field.member("allocated_bytes").u64();
+  memory.bands = field.has("bands") ? field.member("bands").u32() : 0;
+  memory.peak_bytes = field.has("peak_bytes") ? field.member("peak_bytes").u64() : 0;
   return memory;
 }
 
@@ -165,6 +169,9 @@ ResultsHead head_from_field(const JsonField& field) {
   head.reference_samples = field.member("reference_samples").u32();
   head.point_lights = field.member("point_lights").u32();
   head.triangles_first_frame = field.member("triangles_first_frame").u64();
+  head.memory_mib = field.has("memory_mib") ? field.member("memory_mib").u32() : 0;
+  head.bands = field.has("bands") ? field.member("bands").u32() : 0;
+  head.peak_bytes = field.has("peak_bytes") ? field.member("peak_bytes").u64() : 0;
   head.wall_s = field.member("wall_s").number();
   head.outside_gpu_s = field.member("outside_gpu_s").number();
   if (field.has("outside_parts_s")) {
@@ -226,6 +233,9 @@ json to_json(const ResultsHead& head) {
           {"reference_samples", head.reference_samples},
           {"point_lights", head.point_lights},
           {"triangles_first_frame", head.triangles_first_frame},
+          {"memory_mib", head.memory_mib},
+          {"bands", head.bands},
+          {"peak_bytes", head.peak_bytes},
           {"wall_s", head.wall_s},
           {"outside_gpu_s", head.outside_gpu_s},
           {"outside_parts_s", json(head.outside_parts_s)},

@@ -40,6 +40,10 @@ struct Memory {
   double fitted_bytes_per_pixel = 0;
   std::uint64_t fitted_bytes = 0;
   std::uint64_t allocated_bytes = 0;  // the same with the images that come out and the maps
+  // Within a budget (`memory` of the replay): bands of rows that the frame was drawn in, of which the two above are the
+  // largest one's, and the most that passes held at a time; 0 in results of before there were budgets.
+  std::uint32_t bands = 0;
+  std::uint64_t peak_bytes = 0;
 };
 
 struct Shading {
@@ -80,6 +84,10 @@ struct ResultsHead {
   std::string build, date_utc;
   std::uint32_t width = 0, height = 0, repeat = 0, reference_samples = 0, point_lights = 0;
   std::uint64_t triangles_first_frame = 0;
+  // The budget of what passes hold, 0: none; after the last result the most bands that a frame was drawn in, and the
+  // most that was held.
+  std::uint32_t memory_mib = 0, bands = 0;
+  std::uint64_t peak_bytes = 0;
   double wall_s = 0, outside_gpu_s = 0;           // whole run, and the part of it not spent in device passes
   std::map<std::string, double> outside_parts_s;  // what that part was spent on
   std::vector<std::string> features;              // what the scene needs, by name

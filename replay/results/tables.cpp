@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "base/printable.hpp"
@@ -77,6 +78,23 @@ std::string known(const std::string& text) {
   return text.empty() ? "-" : text;
 }
 
+// Which techniques a budget made draw in bands; empty where none.
+std::string bands_text(const Results& results) {
+  std::map<std::string, Memory> most;  // by technique
+  for (const FrameResult& result : results.results) {
+    Memory& memory = most[result.technique];
+    memory.bands = std::max(memory.bands, result.memory.bands);
+    memory.peak_bytes = std::max(memory.peak_bytes, result.memory.peak_bytes);
+  }
+  std::string out;
+  for (const auto& [technique, memory] : most) {
+    if (memory.bands <= 1) continue;
+    out += fmt::format("{}{} in {} bands of at most {:.1f} MiB", out.empty() ? "memory     " : ", ", technique,
+                       memory.bands, static_cast<double>(memory.peak_bytes) / (1 << 20));
+  }
+  return out.empty() ? out : out + "\n";
+}
+
 std::string head_block(const Results& results, const ParameterValues& common, const Summary* msaa,
                        const Summary* noaa) {
   const ResultsHead& head = results.head;
@@ -96,6 +114,7 @@ std::string head_block(const Results& results, const ParameterValues& common, co
   if (head.wall_s > 0)
     out += fmt::format("run        {:.0f} s, of which {:.1f} % outside of device passes\n", head.wall_s,
                        100 * head.outside_gpu_s / head.wall_s);
+  out += bands_text(results);
   if (!common.empty()) out += fmt::format("all with   {}\n", parameters_text(common));
   return out;
 }
@@ -132,6 +151,8 @@ std::string to_csv(const Results& results) {
                                      "paper_bytes",
                                      "fitted_bytes",
                                      "allocated_bytes",
+                                     "bands",
+                                     "peak_bytes",
                                      "shading_executions",
                                      "shading_per_pixel",
                                      "shading_histogram",
@@ -159,8 +180,9 @@ std::string to_csv(const Results& results) {
                                result.memory.paper_bytes_per_pixel, result.memory.fitted_bytes_per_pixel}) {
       fields.push_back(csv_number(value));
     }
-    for (const std::uint64_t value : {result.memory.paper_bytes, result.memory.fitted_bytes,
-                                      result.memory.allocated_bytes, result.shading.executions}) {
+    for (const std::uint64_t value :
+         {result.memory.paper_bytes, result.memory.fitted_bytes, result.memory.allocated_bytes,
+          std::uint64_t{result.memory.bands}, result.memory.peak_bytes, result.shading.executions}) {
       fields.push_back(std::to_string(value));
     }
     fields.push_back(csv_number(result.shading.per_pixel_mean));

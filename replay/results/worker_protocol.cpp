@@ -30,6 +30,7 @@ json options_to_json(const ReplayOptions& options) {
   if (options.references_only) out["references_only"] = true;
   if (options.frames) out["frames"] = json::array({options.frames->first, options.frames->second});
   if (options.point_lights) out["point_lights"] = *options.point_lights;
+  if (options.memory_mib > 0) out["memory_mib"] = options.memory_mib;
   if (options.rounds > 0) out["rounds"] = options.rounds;
   return out;
 }
@@ -65,6 +66,7 @@ ReplayOptions options_from_field(const JsonField& field) {
   if (field.has("point_lights") && !field.member("point_lights").raw().is_null()) {
     options.point_lights = field.member("point_lights").u32();
   }
+  if (field.has("memory_mib")) options.memory_mib = field.member("memory_mib").u32();
   if (field.has("rounds")) {
     options.rounds = field.member("rounds").u32();
     if (options.rounds > kMaxRounds) field.member("rounds").fail("there are too many");

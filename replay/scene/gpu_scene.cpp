@@ -301,6 +301,7 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
   value.sky = vec4_of(frame.sky, 1);
   value.viewport = {static_cast<float>(width), static_cast<float>(height), 1.0f / static_cast<float>(width),
                     1.0f / static_cast<float>(height)};
+  value.band = {0, height, 0, 0};
   value.tone.x = frame.exposure;
   const auto lit =
       std::ranges::find_if(draws_, [this](const DrawItem& draw) { return !capture_.materials[draw.material].unlit; });
@@ -347,6 +348,11 @@ void GpuScene::set_jitter(const glm::dvec2& jitter) {
   value.view_projection = glm::mat4(moved_image(-jitter, size) * impl_->camera.view_projection);
   value.inverse_view_projection = glm::mat4(impl_->camera.inverse_view_projection * moved_image(jitter, size));
   frame_constants.as<gpu_types::FrameConstants>()[0] = value;
+}
+
+void GpuScene::set_band(std::uint32_t first, std::uint32_t rows) {
+  constants_value_.band = {first, rows, 0, 0};
+  frame_constants.as<gpu_types::FrameConstants>()[0] = constants_value_;
 }
 
 std::uint64_t GpuScene::triangle_count() const {

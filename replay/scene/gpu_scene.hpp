@@ -51,6 +51,8 @@ class GpuScene {
   // Moves the current frame's image so that what lies `jitter` pixels from a pixel's centre is there; of a new frame:
   // 0.
   void set_jitter(const glm::dvec2& jitter);
+  // Has passes draw `rows` rows of the image from `first` on, into targets of that height; of a new frame: all.
+  void set_band(std::uint32_t first, std::uint32_t rows);
 
   const capture::Capture& capture() const { return capture_; }
   SceneFeatures features() const { return features_; }

@@ -36,13 +36,21 @@ std::uint64_t triangle_words(const Setup& setup) {
 }
 
 double pixels(const Setup& setup) {
-  return static_cast<double>(setup.width) * setup.height;
+  return static_cast<double>(setup.width) * setup.frame_height();
+}
+
+bool is_band(const Setup& setup) {
+  return setup.height != setup.frame_height();
+}
+
+bool numbers_fit(const Setup& setup, std::uint64_t fragments) {
+  return (fragments + 1) * 4 <= setup.frontend.device().info().max_storage_buffer_range;
 }
 
 // None where the fragments' numbers are more than can be scanned: then all attributes come from vertices.
 std::uint32_t stored_triangles(const Setup& setup) {
   const FragmentListSizes& lists = setup.lists.value();
-  if ((lists.count + 1) * 4 > setup.frontend.device().info().max_storage_buffer_range) return 0;
+  if (!numbers_fit(setup, lists.count)) return 0;
   return static_cast<std::uint32_t>(
       std::min(static_cast<double>(lists.triangles), setup.parameters.pool * pixels(setup)));
 }
@@ -98,7 +106,34 @@ void record_planes(gpu::PassRecorder& recorder, const Setup& setup, const Triang
   recorder.compute(std::move(pass));
 }
 
-void record_counters(gpu::PassRecorder& recorder, const Setup& setup, const TriangleBuffer& triangles) {
+// Of a band: which records its fragments have, since a triangle may show in several bands.
+void record_triangles_of_band(gpu::PassRecorder& recorder, const Setup& setup, const FragmentLists& lists,
+                              const TriangleBuffer& triangles) {
+  recorder.host(once([&records = setup.outputs.records, triangles, fragments = lists.fragments, count = lists.count,
+                      numbers = setup.frontend.record_count()] {
+    std::vector<bool>&visible = records["visible_triangles"], &stored = records["stored_triangles"],
+    &without = records["triangles_without_planes"];
+    for (std::vector<bool>* all : {&visible, &stored, &without}) all->assign(numbers, false);
+    const auto fragment = fragments->as<glm::uvec4>();
+    const auto words = triangles.words->as<std::uint32_t>();
+    std::uint64_t triangle = 0;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (i > 0 && fragment[i].x == fragment[i - 1].x) continue;
+      const std::uint32_t record = fragment[i].x;
+      visible[record] = true;
+      stored[record] = triangle < triangles.stored;
+      without[record] = stored[record] && words[triangle * triangles.triangle_words] == DAIS_NO_PLANES;
+      ++triangle;
+    }
+  }));
+}
+
+void record_counters(gpu::PassRecorder& recorder, const Setup& setup, const FragmentLists& lists,
+                     const TriangleBuffer& triangles) {
+  if (is_band(setup)) {
+    record_triangles_of_band(recorder, setup, lists, triangles);
+    return;
+  }
   recorder.host(once([&counters = setup.outputs.counters, triangles, seen = setup.lists->triangles] {
     const auto words = triangles.words->as<std::uint32_t>();
     std::uint64_t without = 0;
@@ -126,7 +161,7 @@ void record(gpu::PassRecorder& recorder, const Setup& setup) {
     record_numbers(recorder, setup, visible.lists, triangles);
     record_planes(recorder, setup, triangles);
   }
-  record_counters(recorder, setup, triangles);
+  record_counters(recorder, setup, visible.lists, triangles);
   record_map(recorder, setup, visible.lists, triangles);
   ListedPass shade = visible_shading(setup, setup.parameters.point, "techniques/dais/shade.comp");
   shade.bindings.push_back(gpu::reads(DAIS_SLOT_TRIANGLES, *triangles.table));
@@ -153,6 +188,13 @@ const Technique kDais = TechniqueOf<DaisParameters>{
     .layout = layout,
     .record = record,
     .lists = ListedMasks::visible,
+    .whole_only = [](const Setup& whole) -> std::string {
+      const FragmentListSizes& lists = whole.lists.value();
+      if (static_cast<double>(lists.triangles) <= whole.parameters.pool * pixels(whole) &&
+          numbers_fit(whole, lists.count))
+        return "";
+      return "its triangle buffer has no room for all triangles that show, which are counted over all of the frame";
+    },
 };
 
 }  // namespace subpixel::replay

@@ -95,6 +95,7 @@ const Technique kDcaa = TechniqueOf<DcaaParameters>{
     .layout = layout,
     .record = record,
     .lists = ListedMasks::later,
+    .whole_only = dcaa_whole_only,
 };
 
 }  // namespace subpixel::replay

@@ -56,5 +56,7 @@ gpu::Image& record_depth_bound(gpu::PassRecorder& recorder, const FrameSetup& se
 
 // The maps that record_dcaa() leaves.
 std::vector<MapDescription> dcaa_maps();
+// Technique::whole_only.
+std::string dcaa_whole_only(const FrameSetup& whole);
 
 }  // namespace subpixel::replay

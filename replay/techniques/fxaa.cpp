@@ -77,6 +77,7 @@ const Technique kFxaa = TechniqueOf<FxaaParameters>{
     .layout = full_sample_layout,
     .record = record,
     .lists = ListedMasks::visible,
+    .neighbour_rows = [](const FxaaParameters& parameters) { return parameters.search_steps + 2; },
 };
 
 }  // namespace subpixel::replay

@@ -96,6 +96,7 @@ const Technique kHybrid = TechniqueOf<HybridParameters>{
     .layout = layout,
     .record = record,
     .lists = ListedMasks::later,
+    .whole_only = dcaa_whole_only,
 };
 
 }  // namespace subpixel::replay

@@ -35,9 +35,13 @@ std::uint32_t allocation(const LinkedListSetup& setup) {
   return static_cast<std::uint32_t>(setup.parameters.allocation);
 }
 
+std::uint64_t frame_pixels(const FrameSetup& setup) {
+  return std::uint64_t{setup.width} * setup.frame_height();
+}
+
 bool by_blocks(const LinkedListSetup& setup) {
   constexpr std::uint32_t kSide = 1u << LINK_OWNER_SIDE_BITS;  // larger images are lit by lists
-  return setup.parameters.lighting == BlockLighting::blocks && setup.width <= kSide && setup.height <= kSide;
+  return setup.parameters.lighting == BlockLighting::blocks && setup.width <= kSide && setup.frame_height() <= kSide;
 }
 
 gpu::Constants list_constants(const LinkedListSetup& setup) {
@@ -55,6 +59,7 @@ MemoryLayout layout(const LinkedListSetup& setup) {
 // What all passes of one frame share.
 struct Lists {
   gpu::AddressTable* pool = nullptr;  // a LinkPool
+  std::uint64_t capacity = 0;
   gpu::Image* visibility = nullptr;
   gpu::Buffer *places = nullptr, *blocks = nullptr;  // logs of a story
 };
@@ -191,17 +196,20 @@ void record_maps(gpu::PassRecorder& recorder, const LinkedListSetup& setup, cons
   gpu::RasterPass pass = list_pass(setup, lists, "maps", "techniques/linked_list/maps.frag");
   pass.colours = make_maps(recorder, setup, {"blocks", "overflow", "leaks"});
   recorder.host(run_pass(recorder.device(), std::move(pass)));
+  setup.outputs.frame_counters["blocks_available"] =
+      setup.height == setup.frame_height() ? lists.capacity : linked_list_dynamic_blocks(setup);
   recorder.host([&counters = setup.outputs.counters, table = lists.pool] {
     const auto pool = table->buffer().as<gpu_types::LinkPool>()[0];
     counters["blocks_wanted"] = pool.allocated;  // dynamic ones
     counters["blocks_used"] = std::min(pool.allocated, pool.capacity);
-    counters["blocks_available"] = pool.capacity;
     counters["overflowed_fragments"] = pool.allocated - std::min(pool.allocated, pool.capacity);
   });
 }
 
 void record(gpu::PassRecorder& recorder, const LinkedListSetup& setup) {
-  const std::uint64_t dynamic = linked_list_dynamic_blocks(setup);
+  // Rows of a frame have all that they may need of the frame's pool: whether that is enough for all is known when all
+  // have been drawn.
+  const std::uint64_t dynamic = std::min(linked_list_dynamic_blocks(setup), (setup.samples - 1) * pixels(setup));
   record_linked_list(recorder, setup, {&recorder.buffer("blocks", linked_list_pool_bytes(setup, dynamic)), 0, dynamic});
 }
 
@@ -212,11 +220,11 @@ std::uint64_t linked_list_dynamic_blocks(const LinkedListSetup& setup) {
   const double pool = setup.parameters.pool;
   const double blocks = unit == PoolUnit::blocks ? pool
                         : unit == PoolUnit::mib  ? pool * kMib * 8 / static_cast<double>(16 * pair_words(setup))
-                                                 : pool * static_cast<double>(pixels(setup));
+                                                 : pool * static_cast<double>(frame_pixels(setup));
   // A chosen sample that shows the sky leaves up to samples - 1 others, like one that doesn't.
-  const std::uint64_t useful = (setup.samples - 1) * pixels(setup);
+  const std::uint64_t useful = (setup.samples - 1) * frame_pixels(setup);
   constexpr std::uint64_t kIndices = std::uint64_t{1} << LINK_INDEX_BITS;
-  const std::uint64_t reachable = kIndices - std::min(kIndices, pixels(setup));
+  const std::uint64_t reachable = kIndices - std::min(kIndices, frame_pixels(setup));
   return std::min({static_cast<std::uint64_t>(std::floor(blocks)), useful, reachable});
 }
 
@@ -228,6 +236,7 @@ void record_linked_list(gpu::PassRecorder& recorder, const LinkedListSetup& setu
   const VisibleFragments visible = record_visible(recorder, setup);
   Lists lists;
   lists.visibility = visible.visibility;
+  lists.capacity = pool.dynamic_blocks;
   gpu::Buffer* owners = by_blocks(setup) ? &recorder.buffer("block owners", pool.dynamic_blocks * 4) : nullptr;
   lists.pool = &recorder.address_table("lists", sizeof(gpu_types::LinkPool));
   lists.pool->set(gpu_types::LinkPool{.words = lists.pool->of(*pool.buffer) + pool.first_byte,
@@ -277,6 +286,12 @@ const Technique kLinkedList = TechniqueOf<LinkedListParameters>{
     .layout = layout,
     .record = record,
     .lists = ListedMasks::visible,
+    .whole_only = [](const LinkedListSetup& whole) -> std::string {
+      const auto& counters = whole.outputs.counters;
+      const auto wanted = counters.find("blocks_wanted");
+      if (wanted == counters.end() || wanted->second <= linked_list_dynamic_blocks(whole)) return "";
+      return "its pool has fewer blocks than fragments want, which are given out over all of the frame";
+    },
 };
 
 }  // namespace subpixel::replay

@@ -183,6 +183,12 @@ const Technique kSmaa = TechniqueOf<SmaaParameters>{
     .layout = layout,
     .record = record,
     .lists = ListedMasks::visible,
+    .neighbour_rows = [](const SmaaParameters& parameters) -> std::uint32_t {
+      const SmaaPreset preset = preset_of(parameters);
+      // Blending looks at a neighbour's weights, which follow edges, their crossings and corners, of values beyond.
+      constexpr std::int32_t kBeside = 8;
+      return static_cast<std::uint32_t>(2 * preset.search_steps + preset.diagonal_steps + kBeside);
+    },
 };
 
 }  // namespace subpixel::replay

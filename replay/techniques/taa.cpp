@@ -86,7 +86,7 @@ void record_accumulate(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
   }
   recorder.raster(std::move(pass));
   setup.outputs.history = {&history, &depth};
-  setup.outputs.counters["unmatched_instances"] = motion.unmatched;
+  setup.outputs.frame_counters["unmatched_instances"] = motion.unmatched;
 }
 
 void record(gpu::PassRecorder& recorder, const Setup& setup) {
@@ -131,6 +131,7 @@ const Technique kTaa = TechniqueOf<TaaParameters>{
     .layout = layout,
     .record = record,
     .lists = ListedMasks::visible,
+    .neighbour_rows = [](const TaaParameters&) { return 1u; },  // of its history all rows are there
 };
 
 }  // namespace subpixel::replay

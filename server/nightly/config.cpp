@@ -68,6 +68,7 @@ Settings read_settings(const JsonField& object, const std::string& path, Setting
   options.repeat = limited(object, replay::kRepeatLimit, options.repeat);
   options.reference_samples = limited(object, replay::kReferenceSamplesLimit, options.reference_samples);
   if (object.has("point_lights")) options.point_lights = limited(object, replay::kPointLightsLimit, 0);
+  options.memory_mib = limited(object, replay::kMemoryLimit, options.memory_mib);
   if (object.has("size")) {
     const JsonField size = object.member("size");
     if (size.array_size() != 2) size.fail("expected [width, height]");
@@ -131,7 +132,7 @@ CaptureSource read_capture(const JsonField& entry, std::size_t index, const Sett
   const std::string path = fmt::format("captures[{}].", index);
   check_names(entry,
               {"name", "path", "scene", "seed", "density", "tag", "against", "techniques", "also", "samples", "size",
-               "frames", "repeat", "reference_samples", "point_lights"},
+               "frames", "repeat", "reference_samples", "point_lights", "memory_mib"},
               kWhat, path.substr(0, path.size() - 1));
   const int kinds = (entry.has("path") ? 1 : 0) + (entry.has("scene") ? 1 : 0) + (entry.has("tag") ? 1 : 0);
   if (kinds != 1) entry.fail("expected one of path, scene and tag");
@@ -360,7 +361,7 @@ NightlyConfig parse_nightly_config(std::string_view text, const std::filesystem:
   const JsonField top(config.document, kWhat);
   check_names(top,
               {"name", "data", "baseline", "captures", "techniques", "samples", "size", "frames", "repeat",
-               "reference_samples", "point_lights", "gates", "keep", "watch", "tags", "notify"},
+               "reference_samples", "point_lights", "memory_mib", "gates", "keep", "watch", "tags", "notify"},
               kWhat, "top level");
   config.name = name_from(top.member("name"));
   config.baseline = top.has("baseline") ? name_from(top.member("baseline")) : config.name;

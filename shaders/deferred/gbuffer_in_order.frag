@@ -23,7 +23,7 @@ void store_taken(ivec2 pixel, PixelEdges edges, uint bits);
 
 void store_taken(ivec2 pixel, PixelEdges edges, uint bits) {
   // lavapipe runs whole blocks of 4x4 pixels, beyond the image's borders too: stores to images are dropped there, to buffers not.
-  bool inside = all(lessThan(vec2(pixel), frame.viewport.xy));
+  bool inside = all(lessThan(pixel, band_size()));
   for (bool store = inside; store; store = false) {
     uvec4 stored = stored_sample(fragment_surface(pixel, shading_offset(edges, SAMPLES)));
     for (uint left = bits; left != 0u; left &= left - 1u)

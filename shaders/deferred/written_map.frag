@@ -11,6 +11,6 @@ layout(location = 0) out uint out_written;
 
 void main() {
   // Blocks of pixels reach beyond the image's borders.
-  uvec2 pixel = min(uvec2(gl_FragCoord.xy), uvec2(frame.viewport.xy) - 1u);
+  uvec2 pixel = min(uvec2(gl_FragCoord.xy), uvec2(band_size()) - 1u);
   out_written = written[pixel.y * uint(frame.viewport.x) + pixel.x];
 }

@@ -12,10 +12,11 @@
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_LISTS), scalar) readonly buffer Lists { ListAddresses lists; };
 
 void main() {
-  ivec2 pixel = pixel_of(gl_FragCoord.xy);
+  // Of the whole frame: rasterised as without bands, for lists may have all pixels of a hull that edges reach.
+  ivec2 pixel = pixel_of(gl_FragCoord.xy) - frame_pixel(ivec2(0));
   uint mask = listed_mask(fragment_edges(pixel));
   // Devices shade whole blocks: pixels beyond the border have no list.
-  bool inside = all(lessThan(pixel, ivec2(frame.viewport.xy)));
+  bool inside = all(lessThan(pixel, band_size())) && pixel.y >= 0;
   for (bool go = mask != 0u && inside; go; go = false) {
     ListAddresses to = lists;
     uint width = uint(frame.viewport.x), number = atomicAdd(to.bases.base[fragment_triangle()], 1u);

@@ -49,7 +49,7 @@ PixelEdges fragment_edges(ivec2 pixel) {
 }
 
 DepthPlane fragment_depth(ivec2 pixel) {
-  return depth_plane(in_depth, in_ids.x, ivec2(in_v2_ref.z & 0xffffu, in_v2_ref.z >> 16), pixel);
+  return depth_plane(in_depth, in_ids.x, reference_pixel(in_v2_ref.z), pixel);
 }
 
 // Where attributes are evaluated, relative to the pixel's centre in pixels: the centre when the triangle covers it, else the
@@ -81,7 +81,7 @@ vec2 shading_offset(PixelEdges edges, uint n) {
 
 #ifdef WITH_UV
 Weights fragment_weights(ivec2 pixel, vec2 offset) {
-  return interpolation_weights(in_clip0, in_clip1, in_clip2, vec2(pixel) + 0.5 + offset);
+  return interpolation_weights(in_clip0, in_clip1, in_clip2, vec2(frame_pixel(pixel)) + 0.5 + offset);
 }
 
 vec2 fragment_uv(vec3 weight) { return interpolate(weight, in_uv01.xy, in_uv01.zw, in_uv2); }

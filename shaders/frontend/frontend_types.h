@@ -33,8 +33,8 @@ struct ChunkRecord {
 struct TriangleRecord {
   uvec4 hull01;    // float bits: corners 0 and 1 of the conservative hull, pixels
   uvec4 hull2_id;  // float bits: corner 2; then first index of the source triangle, instance
-  uvec4 v01;       // int bits: snapped vertices 0 and 1, 1/256 pixel
-  uvec4 v2_ref;    // int bits: snapped vertex 2; then reference pixel x | y << 16; then RECORD_ bits | material
+  uvec4 v01;       // int bits: snapped vertices 0 and 1, 1/256 pixel of the band
+  uvec4 v2_ref;    // int bits: snapped vertex 2; then reference pixel of the band, x | y << 16; then RECORD_ bits | material
   uvec4 depth;     // float bits: z at the reference pixel's centre, dz/dx, dz/dy per pixel, smallest z of the triangle
   uvec4 depth2;    // float bits: largest z of the triangle; then corner 3 of the hull, if it has one; slot of the source triangle
 };

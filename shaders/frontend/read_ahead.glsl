@@ -26,7 +26,7 @@ RecordDepth record_depth(uint record) {
 }
 
 DepthPlane plane_of(RecordDepth d, ivec2 pixel) {
-  return depth_plane(d.depth, d.depth2, ivec2(d.reference & 0xffffu, d.reference >> 16), pixel);
+  return depth_plane(d.depth, d.depth2, reference_pixel(d.reference), pixel);
 }
 
 #endif

@@ -47,6 +47,8 @@ void main() {
     bool cull_back = (chunk.flags.x & CHUNK_CULL_BACK) != 0u;
     bool mirrored = instance_mirrored(chunk.range.z);
     count = set_up_triangle(c[0], c[1], c[2], cull_back, mirrored, record);
+    // Pieces of clipped triangles stay in every band: their numbers count those before them.
+    if (count != 0u && !in_band(record)) count = 0u;
     record.hull2_id.zw = uvec2(first_index, chunk.range.z);
     record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0u) | chunk.range.w << RECORD_MATERIAL_SHIFT;
     record.depth2.w = slot;

@@ -157,12 +157,24 @@ uint set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, o
   uint triangles = conservative_hull(p, area * (1.0LF / 65536.0LF), hull);
   record.hull01 = floatBitsToUint(vec4(hull[0], hull[1]));
   record.hull2_id = uvec4(floatBitsToUint(hull[2]), 0u, 0u);
-  record.v01 = uvec4(ivec4(v0, v1));
-  record.v2_ref = uvec4(uvec2(v2), uint(reference.x) | uint(reference.y) << 16, (back ? RECORD_BACK_FACE : 0u) | (large ? RECORD_LARGE : 0u) | (huge ? RECORD_HUGE : 0u));
+  // What passes compare with pixels is the band's; the hull, which is drawn over all of the frame, is not.
+  ivec2 corner = frame_pixel(ivec2(0));
+  record.v01 = uvec4(ivec4(v0, v1) - corner.xyxy * SUBPIXEL_SNAP);
+  reference -= corner;
+  record.v2_ref = uvec4(uvec2(v2 - corner * SUBPIXEL_SNAP), uint(reference.x) | uint(reference.y) << 16, (back ? RECORD_BACK_FACE : 0u) | (large ? RECORD_LARGE : 0u) | (huge ? RECORD_HUGE : 0u));
   // Slopes beyond float's range belong to triangles seen edge-on, whose depths the clamp decides.
   record.depth = floatBitsToUint(vec4(clamp(vec3(z, dx * 256.0LF, dy * 256.0LF), -1e30, 1e30), min(min(n0.z, n1.z), n2.z)));
   record.depth2 = uvec4(floatBitsToUint(max(max(n0.z, n1.z), n2.z)), floatBitsToUint(hull[3]), 0u);
   return alive ? triangles : 0u;
+}
+
+// Can the hull hold the centre of a pixel of the band? A row to spare for the rasteriser's rounding.
+bool in_band(TriangleRecord record) {
+  vec4 rows = uintBitsToFloat(uvec4(record.hull01.yw, record.hull2_id.y, record.depth2.z));
+  // The fourth corner is the first again where the hull is a triangle.
+  float low = min(min(rows.x, rows.y), min(rows.z, rows.w)), high = max(max(rows.x, rows.y), max(rows.z, rows.w));
+  float first = float(frame.band.x);
+  return high > first - 1.0 && low < first + float(frame.band.y) + 1.0;
 }
 
 // About how many pixels have their centre within the pattern's reach of a whole triangle.
@@ -178,9 +190,8 @@ float pixels_reached(TriangleRecord record) {
 // Blocks of the bounding box of a small triangle.
 uint blocks_reached(TriangleRecord record) {
   ivec2 first, last;
-  cells_in_reach(ivec2(record.v01.xy), ivec2(record.v01.zw), ivec2(record.v2_ref.xy), ivec2(frame.viewport.xy), kBlockCell, first,
-                 last);
-  ivec2 extent = last - first + 1;
+  cells_in_reach(ivec2(record.v01.xy), ivec2(record.v01.zw), ivec2(record.v2_ref.xy), band_size(), kBlockCell, first, last);
+  ivec2 extent = max(last - first + 1, ivec2(0));  // none where only the hull reaches the band
   return uint(extent.x * extent.y);
 }
 

@@ -51,7 +51,7 @@ uvec4 depths[kQuads], triangles[kQuads];
 void compare(ivec2 pixel, SmallTriangle t) {
   uint own = t.depth2_id.y;
   PixelEdges edges = pixel_edges(ivec2(t.v01.xy), ivec2(t.v01.zw), ivec2(t.v2_ref.xy), pixel, 0u);
-  DepthPlane plane = depth_plane(t.depth, t.depth2_id.x, ivec2(t.v2_ref.z & 0xffffu, t.v2_ref.z >> 16), pixel);
+  DepthPlane plane = depth_plane(t.depth, t.depth2_id.x, reference_pixel(t.v2_ref.z), pixel);
   for (uint q = 0u; q < kQuads; ++q) {
     uvec4 z;
     bvec4 take;

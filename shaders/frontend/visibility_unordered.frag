@@ -23,7 +23,7 @@ void main() {
   for (bool go = mask != 0u; go; go = false) mask = alpha_mask(mask, first, GROUP_SAMPLES, pixel, shading_offset(edges, SAMPLES));
 #endif
   // Devices shade whole blocks: pixels beyond the border have no words.
-  if (any(greaterThanEqual(pixel, ivec2(frame.viewport.xy)))) mask = 0u;
+  if (any(greaterThanEqual(pixel, band_size()))) mask = 0u;
   DepthPlane plane = fragment_depth(pixel);
   NearestAddresses to = nearest;
   uint at = (uint(pixel.y) * uint(frame.viewport.x) + uint(pixel.x)) * GROUP_SAMPLES;

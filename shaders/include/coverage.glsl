@@ -98,6 +98,9 @@ uint coverage_mask(PixelEdges edges, uint n, uint first, uint count) {
   return mask;
 }
 
+// Of TriangleRecord::v2_ref.z. In a band its row may lie above the first.
+ivec2 reference_pixel(uint packed_pixel) { return ivec2(packed_pixel & 0xffffu, int(packed_pixel) >> 16); }
+
 struct DepthPlane {
   float centre, dx, dy, smallest, largest;  // at the pixel's centre; per pixel; over the triangle
 };

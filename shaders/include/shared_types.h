@@ -63,6 +63,7 @@ struct FrameConstants {
   vec4 viewport;                 // width, height, 1/width, 1/height in pixels
   vec4 tone;                     // exposure; roughness of all surfaces where it does not vary; unused
   uvec4 counts;                  // point lights, materials, instances, unused
+  uvec4 band;                    // rows of pixels that passes draw: the first, how many; unused
   vec4 shadow_cascades[SUBPIXEL_SHADOW_CASCADES];  // x scale and yz offset to [0, 1] of the cascade, w texel in world units
   PointLightConstants point_lights[SUBPIXEL_MAX_POINT_LIGHTS];
 };
@@ -97,7 +98,7 @@ struct UvMappingRecord {
 
 #ifdef __cplusplus
 static_assert(sizeof(PointLightConstants) == 32);
-static_assert(sizeof(FrameConstants) == 4 * 64 + 8 * 16 + SUBPIXEL_SHADOW_CASCADES * 16 + SUBPIXEL_MAX_POINT_LIGHTS * 32);
+static_assert(sizeof(FrameConstants) == 4 * 64 + 9 * 16 + SUBPIXEL_SHADOW_CASCADES * 16 + SUBPIXEL_MAX_POINT_LIGHTS * 32);
 static_assert(sizeof(InstanceRecord) == 96);
 static_assert(sizeof(MaterialRecord) == 64);
 static_assert(sizeof(UvMappingRecord) == 32);

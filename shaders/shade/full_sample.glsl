@@ -28,7 +28,7 @@ vec4 full_sample_value(ivec2 pixel, uint s, uint layer) {
   // A loop, so that groups of pixels that show the sky alone skip the lighting.
   vec4 value = vec4(resolvable(frame.sky.rgb), 0.0);
   for (bool covered = triangle != SUBPIXEL_NO_TRIANGLE; covered; covered = false) {
-    vec2 position = vec2(pixel) + 0.5 + vec2(sample_offset(SAMPLES, s)) * (1.0 / 128.0);
+    vec2 position = vec2(frame_pixel(pixel)) + 0.5 + vec2(sample_offset(SAMPLES, s)) * (1.0 / 128.0);
     Surface surface = surface_of_stored(texelFetch(gbuffer, ivec3(pixel, layer), 0));
     surface.position = world_position(position, uintBitsToFloat(depth));
     value = vec4(resolvable(shade(surface, normalize(frame.eye.xyz - surface.position))), 1.0);

@@ -9,7 +9,7 @@
 // `surface` without its position, which is `offset` pixels from the pixel's centre on the plane.
 vec3 lit_surface(Surface surface, DepthPlane plane, ivec2 pixel, vec2 offset) {
   float depth = clamp(plane.centre + plane.dx * offset.x + plane.dy * offset.y, plane.smallest, plane.largest);
-  surface.position = world_position(vec2(pixel) + 0.5 + offset, depth);
+  surface.position = world_position(vec2(frame_pixel(pixel)) + 0.5 + offset, depth);
   return resolvable(shade(surface, normalize(frame.eye.xyz - surface.position)));
 }
 

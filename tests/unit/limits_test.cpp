@@ -53,6 +53,7 @@ ReplayOptions options_with(std::string_view name, std::uint64_t value) {
   if (name == "repeat") options.repeat = number;
   if (name == "reference_samples") options.reference_samples = number;
   if (name == "point_lights") options.point_lights = number;
+  if (name == "memory_mib") options.memory_mib = number;
   options.techniques.assign(name == "techniques" ? value : 1, {"noaa", {}});
   return options;
 }
@@ -118,6 +119,7 @@ std::string option(std::string_view name, std::uint64_t value) {
   if (name == "width") return " --size " + text + "x8";
   if (name == "height") return " --size 8x" + text;
   if (name == "point_lights") return " --lights " + text;
+  if (name == "memory_mib") return " --memory " + text + "M";
   if (name == "reference_samples") return " --reference-samples " + text;
   return " --" + std::string(name) + " " + text;
 }
@@ -227,6 +229,17 @@ TEST(LimitText, SaysWhatIsTaken) {
   EXPECT_EQ(kReferenceSamplesLimit.refusal("6"), "6 is not 0 or a multiple of 4 from 4 to 4096");
   EXPECT_EQ(kSamplesLimit.refusal("7"), "7 is not one of 1, 2, 4, 8, 16, 32, 64");
   EXPECT_LT(kRepeatLimit.refusal(std::string(5000, '9')).size(), 100u);
+}
+
+TEST(LimitText, MemoryIsInPowersOfTwo) {
+  EXPECT_EQ(parse_memory("512M", ""), 512u);
+  EXPECT_EQ(parse_memory("2G", ""), 2048u);
+  EXPECT_EQ(parse_memory("0M", ""), 0u);
+  EXPECT_EQ(parse_memory("16384G", ""), kMemoryLimit.high);
+  for (const char* text : {"", "M", "512", "512K", "512m", "512MB", "1.5G", "-1M", " 1M", "1 M", "16385G", "16777217M",
+                           "18014398509481984G", "18446744073709551617M"}) {
+    EXPECT_THROW(parse_memory(text, "--memory"), UsageError) << text;
+  }
 }
 
 TEST(LimitText, OnlyDecimalDigitsAreNumbers) {

@@ -25,7 +25,7 @@ layout(set = 0, binding = SAMPLED(AGAA_SLOT_MEMBERSHIP)) uniform usampler2D aggr
 // World position of a sample that shows something.
 vec3 sample_place(ivec2 pixel, uint s) {
   float depth = uintBitsToFloat(visible_depths(pixel, SAMPLES, s / 4u)[s & 3u]);
-  vec2 centre = vec2(pixel) + 0.5;
+  vec2 centre = vec2(frame_pixel(pixel)) + 0.5;
   return world_position(centre + vec2(sample_offset(SAMPLES, s)) * (1.0 / float(SUBPIXEL_SAMPLE_GRID)), depth);
 }
 

@@ -23,7 +23,7 @@ ClusterSample cluster_sample(uint i) {
   uint triangle = visible_triangles(pixel, SAMPLES, i / 4u)[i & 3u];
   float depth = uintBitsToFloat(visible_depths(pixel, SAMPLES, i / 4u)[i & 3u]);
   vec2 offset = vec2(sample_offset(SAMPLES, i)) * (1.0 / float(SUBPIXEL_SAMPLE_GRID));
-  vec3 position = view_position(push.view_from_clip, frame.viewport, pixel, offset, depth);
+  vec3 position = view_position(push.view_from_clip, frame.viewport, frame_pixel(pixel), offset, depth);
   uint face = push.faces.face[triangle == SUBPIXEL_NO_TRIANGLE ? 0u : triangle];
   return ClusterSample(position * push.inverse_length, unpack_normal(face));
 }

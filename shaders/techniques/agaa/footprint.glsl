@@ -10,7 +10,7 @@ Footprint aggregate_footprint(mat4 view_from_clip, ivec2 pixel, uint mask, out v
   // Relative to one of the positions, so that squares lose no digits to the distance.
   uint first = uint(findLSB(mask));
   vec2 offset = vec2(sample_offset(SAMPLES, first)) * (1.0 / float(SUBPIXEL_SAMPLE_GRID));
-  vec3 origin = view_position(view_from_clip, frame.viewport, pixel, offset,
+  vec3 origin = view_position(view_from_clip, frame.viewport, frame_pixel(pixel), offset,
                               uintBitsToFloat(visible_depths(pixel, SAMPLES, first / 4u)[first & 3u]));
   vec3 mean = vec3(0.0), squares = vec3(0.0), mixed = vec3(0.0);
   for (uint quad = 0u; quad < SAMPLES / 4u; ++quad) {
@@ -18,7 +18,7 @@ Footprint aggregate_footprint(mat4 view_from_clip, ivec2 pixel, uint mask, out v
     for (uint i = 0u; i < 4u; ++i) {
       uint s = 4u * quad + i;
       offset = vec2(sample_offset(SAMPLES, s)) * (1.0 / float(SUBPIXEL_SAMPLE_GRID));
-      vec3 p = view_position(view_from_clip, frame.viewport, pixel, offset, depths[i]) - origin;
+      vec3 p = view_position(view_from_clip, frame.viewport, frame_pixel(pixel), offset, depths[i]) - origin;
       p = (mask & (1u << s)) != 0u ? p : vec3(0.0);
       mean += p;
       squares += p * p;

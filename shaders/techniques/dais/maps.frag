@@ -14,7 +14,7 @@ layout(location = 0) out uint out_from_vertices;
 
 void main() {
   // Helper invocations beyond the border read, too.
-  ivec2 pixel = min(pixel_of(gl_FragCoord.xy), ivec2(frame.viewport.xy) - 1);
+  ivec2 pixel = min(pixel_of(gl_FragCoord.xy), band_size() - 1);
   uvec2 range = list_range(lists, uint(pixel.y) * uint(frame.viewport.x) + uint(pixel.x));
   uint count = 0u, first;
   for (uint i = range.x; i < range.y; ++i)

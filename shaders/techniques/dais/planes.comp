@@ -34,8 +34,9 @@ void main() {
   uint first = triangle * kTriangleWords;
   TriangleRecord record = push.records.record[words.word[first]];
   const float snap = 1.0 / float(SUBPIXEL_SNAP);
-  vec2 corner0 = vec2(ivec2(record.v01.xy)) * snap, corner1 = vec2(ivec2(record.v01.zw)) * snap,
-       corner2 = vec2(ivec2(record.v2_ref.xy)) * snap;
+  ivec2 band_corner = frame_pixel(ivec2(0)) * SUBPIXEL_SNAP;
+  vec2 corner0 = vec2(ivec2(record.v01.xy) + band_corner) * snap, corner1 = vec2(ivec2(record.v01.zw) + band_corner) * snap,
+       corner2 = vec2(ivec2(record.v2_ref.xy) + band_corner) * snap;
   vec2 point = (corner0 + corner1 + corner2) * (1.0 / 3.0);
 
   SourceTriangle source;

@@ -56,8 +56,7 @@ MaterialInputs plane_inputs(TriangleWords words, uint first, vec2 position) {
 
 DepthPlane stored_depth(TriangleWords words, uint first, ivec2 pixel) {
   uvec4 depth = uvec4(words.word[first + 4u], words.word[first + 5u], words.word[first + 6u], words.word[first + 7u]);
-  uint reference = words.word[first + 9u];
-  return depth_plane(depth, words.word[first + 8u], ivec2(reference & 0xffffu, reference >> 16), pixel);
+  return depth_plane(depth, words.word[first + 8u], reference_pixel(words.word[first + 9u]), pixel);
 }
 
 #endif

@@ -30,7 +30,7 @@ void main() {
   DepthPlane depth;
   // Loops, so that groups of fragments that have planes skip the vertices.
   for (bool go = held; go; go = false) {
-    inputs = plane_inputs(from.words, first, vec2(pixel) + 0.5 + offset);
+    inputs = plane_inputs(from.words, first, vec2(frame_pixel(pixel)) + 0.5 + offset);
     depth = stored_depth(from.words, first, pixel);
   }
   for (bool go = !held; go; go = false) {

@@ -74,7 +74,7 @@ namespace subpixel::gpu_types {
 //   g = (n.ray_dx, n.ray_dy) / n.ray,   (dz/dx, dz/dy) = (z * rays_differ + scale) * g,
 // and slopes give n, up to its length, as gx normal_x + gy normal_y + (1 - rays_differ * (gx x + gy y)) normal_1.
 struct DcaaView {
-  vec4 ray_dx, ray_dy, ray0;          // w: largest n.ray that counts (negative), limit of g, unused
+  vec4 ray_dx, ray_dy, ray0;          // w: largest n.ray that counts (negative), limit of g, the band's first row
   vec4 normal_x, normal_y, normal_1;  // facing the eye
   // rays_differ: 1 with perspective, else 0; scale; and how depths are places on a ray: the point at depth z is at
   // w / (z + scale) times the ray from the eye with perspective (w: z of this vector), else at -z times the ray.

@@ -10,7 +10,8 @@
 #include "techniques/dcaa/found.glsl"
 
 void main() {
-  ivec2 pixel = pixel_of(gl_FragCoord.xy);
+  // Of the whole frame: rasterised as without bands, for the table also counts where only a hull reaches.
+  ivec2 pixel = pixel_of(gl_FragCoord.xy) - frame_pixel(ivec2(0));
   PixelEdges edges = fragment_edges(pixel);
   uvec2 exact = exact_coverage(edges), table = table_coverage(edges);
   uvec2 mask = fragment_coverage(edges);
@@ -18,7 +19,7 @@ void main() {
   for (bool go = mask != uvec2(0u); go; go = false) mask = alpha_coverage(mask, pixel, mask_shading_offset(edges, mask));
 #endif
   // Devices shade whole blocks: pixels beyond the border have no words.
-  bool counts = (exact | table) != uvec2(0u) && all(lessThan(pixel, ivec2(frame.viewport.xy)));
+  bool counts = (exact | table) != uvec2(0u) && all(lessThan(pixel, band_size())) && pixel.y >= 0;
   if (counts) {
     uint at = found_word(pixel);
     atomicOr(found.words.word[at], mask.x);

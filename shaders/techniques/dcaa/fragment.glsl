@@ -10,7 +10,7 @@ void facet_plane(DepthPlane plane, ivec2 pixel, vec2 offset, vec3 ray, DcaaView 
   float per_slope = z * view.terms.x + view.terms.y;
   vec2 g = clamp(vec2(plane.dx, plane.dy) / max(per_slope, 1e-30), -1e6, 1e6);
   // Slopes relative to the depth where the triangle is seen; the ray there is that of the centre, moved.
-  vec2 at = (vec2(pixel) + offset) * view.terms.x;
+  vec2 at = (vec2(frame_pixel(pixel)) + offset) * view.terms.x;
   vec3 n = g.x * view.normal_x.xyz + g.y * view.normal_y.xyz + (1.0 - dot(g, at)) * view.normal_1.xyz;
   s.facet = dcaa_pack_facet(n);
   vec2 stored = dcaa_slope_factors(dcaa_facet(s.facet), ray, view);

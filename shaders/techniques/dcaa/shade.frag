@@ -49,7 +49,7 @@ uvec2 samples_ahead(vec3 difference, bool at_zero) {
 }
 
 vec3 place_at(vec2 offset, float depth, vec2 slope) {
-  return world_position(gl_FragCoord.xy + offset, clamp(depth + dot(slope, offset), 0.0, 1.0));
+  return world_position(vec2(frame_pixel(pixel_of(gl_FragCoord.xy))) + 0.5 + offset, clamp(depth + dot(slope, offset), 0.0, 1.0));
 }
 
 // Radiance of surface `s`, lit at the centroid of `samples`.

@@ -163,7 +163,7 @@ vec2 dcaa_slopes(vec3 n, float depth, vec3 ray, DcaaView view) {
 }
 
 vec3 dcaa_ray(ivec2 pixel, DcaaView view) {
-  vec2 at = vec2(pixel) * view.terms.x;
+  vec2 at = vec2(float(pixel.x), float(pixel.y) + view.ray0.w) * view.terms.x;
   precise vec3 ray = view.ray0.xyz + (at.x * view.ray_dx.xyz + at.y * view.ray_dy.xyz);
   return ray;
 }

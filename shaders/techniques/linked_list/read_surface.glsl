@@ -19,7 +19,7 @@ Surface read_surface(LinkWords words, uint block) { return unpack_surface(packed
 // Where sample s of the pixel is, by the depth buffer.
 vec3 sample_position(ivec2 pixel, uint s) {
   vec2 offset = vec2(sample_offset(SAMPLES, s)) * (1.0 / float(SUBPIXEL_SAMPLE_GRID));
-  return world_position(vec2(pixel) + 0.5 + offset, uintBitsToFloat(visible_depths(pixel, SAMPLES, s / 4u)[s & 3u]));
+  return world_position(vec2(frame_pixel(pixel)) + 0.5 + offset, uintBitsToFloat(visible_depths(pixel, SAMPLES, s / 4u)[s & 3u]));
 }
 
 // What a block's sample contributes to its pixel's sum.

@@ -52,7 +52,7 @@ vec3 surface_position(ivec2 pixel, uint word) {
     offset = vec2(0.0);
     depth = (sum.x + sum.y + sum.z + sum.w) / float(SAMPLES);
   }
-  return world_position(vec2(pixel) + 0.5 + offset, depth);
+  return world_position(vec2(frame_pixel(pixel)) + 0.5 + offset, depth);
 }
 
 void main() {

@@ -18,7 +18,7 @@ void stream_plane(DepthPlane plane, ivec2 pixel, vec2 offset, out float depth, o
   vec4 row = inverse_distance_row();
   precise float z = clamp(plane.centre + plane.dx * offset.x + plane.dy * offset.y, plane.smallest, plane.largest);
   vec2 ndc_per_pixel = 2.0 * frame.viewport.zw;
-  vec2 ndc = (vec2(pixel) + 0.5 + offset) * ndc_per_pixel - 1.0;
+  vec2 ndc = (vec2(frame_pixel(pixel)) + 0.5 + offset) * ndc_per_pixel - 1.0;
   precise float inverse = max(dot(row.xy, ndc) + (row.z * z + row.w), 1e-12);
   precise float distance = 1.0 / inverse;
   precise vec2 slope = (row.z * vec2(plane.dx, plane.dy) + row.xy * ndc_per_pixel) * (-distance * distance);
@@ -32,7 +32,7 @@ void stream_plane(DepthPlane plane, ivec2 pixel, vec2 offset, out float depth, o
 // Reversed depth at the centre of `pixel` of a stored depth.
 float stream_reversed_depth(float depth, ivec2 pixel) {
   vec4 row = inverse_distance_row();
-  vec2 ndc = (vec2(pixel) + 0.5) * 2.0 * frame.viewport.zw - 1.0;
+  vec2 ndc = (vec2(frame_pixel(pixel)) + 0.5) * 2.0 * frame.viewport.zw - 1.0;
   float inverse = 1.0 / max(depth, 1e-12);
   return keeps_distance(row) ? (inverse - dot(row.xy, ndc) - row.w) / row.z : -depth;
 }

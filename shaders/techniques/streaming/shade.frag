@@ -98,7 +98,7 @@ void main() {
       }
       Surface lit = unpack_surface(uvec4(s.albedo, s.normal, s.roughness | 255u << 8, s.emission));
       if (SAMPLES > 8u && ROUGHNESS_WORDS == 0u) lit.roughness = frame.tone.y;
-      lit.position = world_position(gl_FragCoord.xy, stream_reversed_depth(clamp(s.depth, nearest, farthest), pixel));
+      lit.position = world_position(vec2(frame_pixel(pixel)) + 0.5, stream_reversed_depth(clamp(s.depth, nearest, farthest), pixel));
       float weight = float(bitCount(samples));
       vec3 value = resolvable(shade(lit, normalize(frame.eye.xyz - lit.position)));
       TELL_EXECUTION(pixel, slot, uint(bitCount(samples)), uvec2(samples, 0u), lit.position, value);

@@ -33,6 +33,8 @@ const vec3 LUMA = vec3(0.2126, 0.7152, 0.0722);
 const float MOST_LUMA = 0.99999;
 
 ivec2 within(ivec2 p) { return clamp(p, ivec2(0), textureSize(values, 0) - 1); }
+// Of the frame, whose history is whole where frames are drawn in bands.
+ivec2 within_history(ivec2 p) { return clamp(p, ivec2(0), ivec2(frame.viewport.xy) - 1); }
 
 // Karis: bright values weigh less, as if after a tone curve that can be undone. Tone-mapped values need no other.
 bool compresses() { return push.compress != 0u && RESOLVE_TONE_MAPPED == 0u; }
@@ -88,8 +90,8 @@ vec4 history_at(vec2 position) {
   vec3 sum = vec3(0.0);
   for (int y = 0; y < 4; ++y)
     for (int x = 0; x < 4; ++x)
-      sum += across[x] * down[y] * texelFetch(history, within(low + ivec2(x, y) - 1), 0).rgb;
-  return vec4(max(sum, vec3(0.0)), texelFetch(history, within(ivec2(floor(position))), 0).a);
+      sum += across[x] * down[y] * texelFetch(history, within_history(low + ivec2(x, y) - 1), 0).rgb;
+  return vec4(max(sum, vec3(0.0)), texelFetch(history, within_history(ivec2(floor(position))), 0).a);
 }
 
 // Could what is now in front be seen there, or did something nearer hide it? Any of 3x3 texels may show it, since
@@ -99,7 +101,7 @@ bool was_open(vec2 position, bool sky, float expected) {
   float own = distance_of(expected), least = own - push.depth_tolerance * abs(own);
   bool found = push.depth_test == 0u;
   for (int k = 0; k < 9 && !found; ++k) {
-    float depth = texelFetch(depth_before, within(at + ivec2(k % 3 - 1, k / 3 - 1)), 0).r;
+    float depth = texelFetch(depth_before, within_history(at + ivec2(k % 3 - 1, k / 3 - 1)), 0).r;
     found = depth == 0.0 || (!sky && distance_of(depth) >= least);
   }
   return found;
@@ -137,7 +139,7 @@ vec3 bounded(ivec2 p, vec3 before) {
 
 void main() {
   ivec2 p = ivec2(gl_FragCoord.xy);
-  vec2 size = vec2(textureSize(values, 0));
+  vec2 size = frame.viewport.xy;
   vec4 own = texelFetch(values, p, 0);
   vec3 value = compressed(own.rgb);
   float frames = 1.0;
@@ -148,11 +150,11 @@ void main() {
     bool sky = front.triangle == SUBPIXEL_NO_TRIANGLE;
     uint instance = push.still;
     if (!sky) instance = push.records.of[front.triangle].hull2_id.w;
-    vec2 ndc = (vec2(front.pixel) + 0.5) / size * 2.0 - 1.0;
+    vec2 ndc = (vec2(frame_pixel(front.pixel)) + 0.5) / size * 2.0 - 1.0;
     vec4 change = motion[instance] * vec4(ndc, front.depth, 1.0);
     float w = 1.0 + change.w;
     vec2 centre = ndc + push.unjitter;
-    vec2 came_from = vec2(p) + 0.5 + (w > 0.0 ? (change.xy - centre * change.w) / w * 0.5 * size : size * 2.0);
+    vec2 came_from = vec2(frame_pixel(p)) + 0.5 + (w > 0.0 ? (change.xy - centre * change.w) / w * 0.5 * size : size * 2.0);
     bool inside = all(greaterThanEqual(came_from, vec2(0.0))) && all(lessThan(came_from, size));
     TELL(tell_motion(front.pixel, front.triangle, instance, front.depth, came_from, (front.depth + change.z) / w,
                      inside);)
