@@ -72,7 +72,7 @@ JSON
 # A node that dies with its daemon, its steps and their workers loses no result: they are measured again on the other.
 case_killed() {
   local name=${1:-killed}
-  made_up "$name" 4 700
+  made_up "$name" 4 1500
   nightly "$folder/$name.json" "$folder/$name-local" >"$folder/$name.local" 2>&1 || case_failed "the local night"
   by_slurm "$folder/$name.json" "$folder/$name-data" --shard-results 3 >"$folder/$name.out" 2>&1 &
   local night=$!

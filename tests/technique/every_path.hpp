@@ -20,8 +20,11 @@ struct PathImage {
   bool reference() const { return !turns.empty(); }
 };
 
+// Shaded at each sample, so that it is known where, whatever triangles there are in a pixel.
+inline constexpr ReferenceOptions kAllShaded{.samples = 64, .shade_all_samples = true};
+
 inline PathImage reference_path(const capture::Capture& capture, std::uint32_t width, std::uint32_t height,
-                                const ReferenceOptions& options = {.samples = 64}) {
+                                const ReferenceOptions& options = kAllShaded) {
   GpuScene scene(test_device(), capture, {});
   scene.set_frame(0, width, height);
   const Image linear = render_reference(test_device(), scene, options).linear;
@@ -45,7 +48,7 @@ inline PathImage technique_path(const capture::Capture& capture, std::string_vie
 
 // All of them with their default parameters; the reference first.
 inline std::vector<PathImage> every_path(const capture::Capture& capture, std::uint32_t width, std::uint32_t height,
-                                         const ReferenceOptions& options = {.samples = 64}) {
+                                         const ReferenceOptions& options = kAllShaded) {
   std::vector<PathImage> paths{reference_path(capture, width, height, options)};
   for (const Technique* technique : techniques())
     paths.push_back(technique_path(capture, technique->name, width, height));
@@ -70,9 +73,8 @@ inline void expect_image(const PathImage& path, std::uint32_t width, const Expec
     if (path.reference()) {
       glm::dvec3 sum(0);
       double count = 0;
-      for (std::uint32_t turn = 0; turn < path.turns.size(); ++turn) {
-        const std::uint32_t sample = shaded_sample(path.turns[turn]);
-        const glm::dvec2 place = glm::dvec2(sample_place(path.turns[turn], sample));
+      for (std::uint32_t i = 0; i < 4 * path.turns.size(); ++i) {
+        const glm::dvec2 place = glm::dvec2(sample_place(path.turns[i / 4], i % 4));
         if (const auto here = expected(x - 0.5 + place.x, y - 0.5 + place.y)) {
           sum += *here;
           ++count;

@@ -112,9 +112,9 @@ TEST(SceneCones, LightTheirInsideAndFadeToTheirEdge) {
         (factor == 0 ? dark : factor == 1 ? full : between) += 1;
         const auto& turns = inside[i].turns;
         if (!turns.empty()) factor = 0;
-        for (std::uint32_t turn = 0; turn < turns.size(); ++turn)
-          factor += factor_at(glm::dvec2(sample_place(turns[turn], shaded_sample(turns[turn])))) /
-                    static_cast<double>(turns.size());
+        for (std::uint32_t sample = 0; sample < 4 * turns.size(); ++sample)
+          factor += factor_at(glm::dvec2(sample_place(turns[sample / 4], sample % 4))) /
+                    (4.0 * static_cast<double>(turns.size()));
         const double lit = everywhere[i].radiance[pixel].g;
         ASSERT_GT(lit, 0);
         const double found = inside[i].radiance[pixel].g / lit;
@@ -127,8 +127,10 @@ TEST(SceneCones, LightTheirInsideAndFadeToTheirEdge) {
         double lowest = factor, highest = factor;
         const bool centred = inside[i].name.starts_with("noaa") || inside[i].name.starts_with("forward");
         for (int k = 0; k < 25 && !centred; ++k) {
-          lowest = std::min(lowest, factor_at({k % 5 / 4.0, k / 5 / 4.0}));
-          highest = std::max(highest, factor_at({k % 5 / 4.0, k / 5 / 4.0}));
+          const int column = k % 5, row = k / 5;
+          const double there = factor_at({column / 4.0, row / 4.0});
+          lowest = std::min(lowest, there);
+          highest = std::max(highest, there);
         }
         ASSERT_GE(found, lowest - 2e-3) << inside[i].name << ", pixel " << pixel;
         ASSERT_LE(found, highest + 2e-3) << inside[i].name << ", pixel " << pixel;
