@@ -73,8 +73,8 @@ inline void expect_image(const PathImage& path, std::uint32_t width, const Expec
     if (path.reference()) {
       glm::dvec3 sum(0);
       double count = 0;
-      for (std::uint32_t i = 0; i < 4 * path.turns.size(); ++i) {
-        const glm::dvec2 place = glm::dvec2(sample_place(path.turns[i / 4], i % 4));
+      for (std::uint32_t k = 0; k < 4 * path.turns.size(); ++k) {
+        const glm::dvec2 place = glm::dvec2(sample_place(path.turns[k / 4], k % 4));
         if (const auto here = expected(x - 0.5 + place.x, y - 0.5 + place.y)) {
           sum += *here;
           ++count;
