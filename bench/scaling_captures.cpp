@@ -72,9 +72,11 @@ Capture many_draws(std::uint32_t draws, std::uint32_t textures) {
   Mesh box;
   add_box(box, {0, 0, 0}, glm::dvec3(0.8 * step));
   const Draw mesh = scene.add_mesh("box", box);
-  for (std::uint32_t d = 0; d < draws; ++d)
+  for (std::uint32_t d = 0; d < draws; ++d) {
+    const std::uint32_t column = d % side, row = d / side;
     scene.draw(mesh, fmt::format("box {}", d), materials[d % textures],
-               translation({(d % side) * step - 10, (d / side) * step - 10, 0}));
+               translation({column * step - 10, row * step - 10, 0}));
+  }
   return scene.finish(CameraPath({{0, {0, 0, 24}, {0, 0, 0}, 45}}), 1, 1280, 720);
 }
 

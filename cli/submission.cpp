@@ -140,7 +140,7 @@ json follow(httplib::Client& client, const std::string& run_path) {
 
 // The capture's hash, once the service has it. One that it has already is not sent again.
 std::string hash_at_service(httplib::Client& client, const Submission& submission) {
-  const std::string hash = content_hash_hex(std::filesystem::path(submission.file));
+  std::string hash = content_hash_hex(std::filesystem::path(submission.file));
   const httplib::Result known = client.Get("/api/captures/" + hash);
   if (known && known->status == 200) return hash;
   return send_capture(client, submission).at("hash").get<std::string>();

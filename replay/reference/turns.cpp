@@ -60,7 +60,8 @@ std::vector<gpu_types::TurnConstants> turn_constants(std::uint32_t turns, std::u
     std::uint32_t sample = (digits & 1) | (digits >> 1 & 1) << 1;
     if (side == 4) sample = (digits >> 1 & 1) | (digits >> 3 & 1) << 1 | (digits & 1) << 2 | (digits >> 2 & 1) << 3;
     // Within the sample's share of [0, 1) another place for each run of turns that goes through all samples.
-    const double within = std::fmod(0.5 + (i / cells) * 0.6180339887498949, 1.0);
+    const std::uint32_t round = i / cells;
+    const double within = std::fmod(0.5 + round * 0.6180339887498949, 1.0);
     const double choice = std::min((sample + within) / cells, 1.0 - 1e-6);
     all.push_back(
         {glm::vec4(pixels, 2.0 * pixels / glm::dvec2(width, height)), {i, turns, side, 0}, {choice, 0, 0, 0}});

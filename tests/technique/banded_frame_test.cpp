@@ -2,7 +2,7 @@
 // registry; and what cannot be drawn within a budget.
 #include "replay/frame/banded_frame.hpp"
 
-#include <cstring>
+#include <bit>
 
 #include "base/error.hpp"
 #include "replay/techniques/registry.hpp"
@@ -46,7 +46,8 @@ class Banded : public testing::TestWithParam<const Technique*> {
 void expect_same_floats(const std::vector<float>& a, const std::vector<float>& b, const char* what) {
   ASSERT_EQ(a.size(), b.size()) << what;
   for (std::size_t i = 0; i < a.size(); ++i)
-    ASSERT_EQ(std::memcmp(&a[i], &b[i], sizeof(float)), 0) << what << " at " << i << ": " << a[i] << ", " << b[i];
+    ASSERT_EQ(std::bit_cast<std::uint32_t>(a[i]), std::bit_cast<std::uint32_t>(b[i]))
+        << what << " at " << i << ": " << a[i] << ", " << b[i];
 }
 
 void expect_same(const Drawn& whole, const Drawn& bands) {

@@ -104,7 +104,8 @@ TEST(SceneCones, LightTheirInsideAndFadeToTheirEdge) {
       std::size_t full = 0, dark = 0, between = 0;
       for (std::uint32_t pixel = 0; pixel < kSide * kSide; ++pixel) {
         const auto factor_at = [&](const glm::dvec2& place) {
-          const glm::dvec3 point((pixel % kSide + place.x) / 16 - 1, 1 - (pixel / kSide + place.y) / 16, 0);
+          const std::uint32_t column = pixel % kSide, row = pixel / kSide;
+          const glm::dvec3 point((column + place.x) / 16 - 1, 1 - (row + place.y) / 16, 0);
           const double cosine = glm::dot(glm::normalize(point - lamp), glm::normalize(direction));
           return std::pow(std::clamp((cosine - outer) / (inner - outer), 0.0, 1.0), 2);
         };
