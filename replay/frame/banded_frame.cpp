@@ -13,6 +13,26 @@
 namespace subpixel::replay {
 namespace {
 
+// While it lives nothing is refused, nor counted at the peak: the shadow map of another frame is the scene's, which the
+// budget is not for.
+class WithoutBudget {
+ public:
+  explicit WithoutBudget(gpu::MemoryLedger& ledger) : ledger_(ledger), budget_(ledger.budget()), peak_(ledger.peak()) {
+    ledger_.set_budget(std::nullopt);
+  }
+  WithoutBudget(const WithoutBudget&) = delete;
+  WithoutBudget& operator=(const WithoutBudget&) = delete;
+  ~WithoutBudget() {
+    ledger_.set_budget(budget_);
+    ledger_.reset_peak(peak_);
+  }
+
+ private:
+  gpu::MemoryLedger& ledger_;
+  std::optional<std::uint64_t> budget_;
+  std::uint64_t peak_;
+};
+
 // Rows of a band are multiples of this, which keeps blocks of pixels that shaders share together.
 constexpr std::uint32_t kRows = 8;
 // A frame has no more bands, since each goes through all triangles.
@@ -61,6 +81,7 @@ class Bands {
   std::uint64_t without_budget(const std::function<void()>& record);
   void choose();
   FrameSetup prepare(FrameOutputs& outputs);
+  void move_to(std::uint32_t steps);
   void run_history();
   // The band's rows of what it leaves for the next frame go into images of the frame's size, which become the history.
   void make_history(const RecordedFrame& recorded);
@@ -230,9 +251,14 @@ void Bands::keep_history(const RecordedFrame& recorded, const Band& drawn) {
                    drawn.kept_first, drawn.kept_rows);
 }
 
+void Bands::move_to(std::uint32_t steps) {
+  const WithoutBudget moving(ledger_);
+  motion_ = move_to_step(scene_, *temporal_, current_, steps, !history_.empty());
+}
+
 void Bands::run_history() {
   for (std::uint32_t steps = temporal_->history; steps > 0; --steps) {
-    motion_ = move_to_step(scene_, *temporal_, current_, steps, !history_.empty());
+    move_to(steps);
     each_band([&](const Band& drawn) {
       RecordedFrame recorded(scene_, setting_, [this](FrameOutputs& outputs) { return prepare(outputs); });
       recorded.run();
@@ -240,7 +266,7 @@ void Bands::run_history() {
     });
     take_history();
   }
-  motion_ = move_to_step(scene_, *temporal_, current_, 0, !history_.empty());
+  move_to(0);
 }
 
 void Bands::add_runs(const Runs& band) {
@@ -378,6 +404,7 @@ bool BandedFrame::draw_whole(std::uint32_t repeat, const std::function<void()>& 
     }
   } catch (const gpu::OverBudget&) {
     whole_.reset();
+    const WithoutBudget moving(ledger_);
     if (scene_.frame() != current_) scene_.set_frame({current_, scene_.width(), scene_.height()});
     scene_.set_jitter({0, 0});
     return false;
@@ -394,6 +421,7 @@ bool BandedFrame::draw_whole(std::uint32_t repeat, const std::function<void()>& 
 void BandedFrame::draw_bands(std::uint32_t repeat, const std::function<void()>& after_cold) {
   Bands bands(scene_, setting_, current_);
   const auto restore = [this] {
+    const WithoutBudget moving(ledger_);
     if (scene_.frame() != current_) scene_.set_frame({current_, scene_.width(), scene_.height()});
     scene_.set_jitter({0, 0});
     scene_.set_band({0, scene_.height(), 0, scene_.height()});

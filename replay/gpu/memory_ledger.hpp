@@ -46,7 +46,9 @@ class MemoryLedger {
 
   // The most that was held or required since the last reset.
   std::uint64_t peak() const { return peak_; }
-  void reset_peak() { peak_ = held_; }
+  void reset_peak() { reset_peak(0); }
+  // As if since then no more than `peak` had been held, or what is held now.
+  void reset_peak(std::uint64_t peak) { peak_ = std::max(peak, held_); }
 
  private:
   std::optional<std::uint64_t> budget_;

@@ -1,6 +1,7 @@
 // variants: = STORY=-DSTORY
-// Computes: one turn's colour of each pixel. Each triangle that some of the pixel's samples see is shaded once, at the
-// place of one of them (another one each turn, so that over all turns shading points cover what is seen of it evenly).
+// Computes: one turn's colour of each pixel. Each triangle that some of four samples see, the pixel's or those
+// of each quarter, is shaded once, at the place of one of them (another one each turn, so that over all turns shading
+// points cover what is seen of it evenly).
 // Reads: the triangle seen by each sample, geometry, materials, textures, lights, shadow map.
 // Writes: adds to the sums, with Kahan's compensation; STORY, what one pixel was shaded by.
 #version 460
@@ -93,6 +94,7 @@ void main() {
   for (uint i = 0u; i < SAMPLES_OF_TURN && remaining != 0u; ++i) {
     uint first = uint(findLSB(remaining)), number = seen_by(pixel, first), same = 0u;
     for (uint s = 0u; s < SAMPLES_OF_TURN; ++s) same |= (seen[s] == number ? 1u : 0u) << s;
+    same &= 15u << (first & 12u);  // of one quarter, where there are sixteen
     if (SHADE_ALL_SAMPLES != 0u) {
       same = 1u << first;
     } else {

@@ -45,7 +45,7 @@ struct TextureLevel {
 struct TurnConstants {
   vec4 shift;    // x, y in pixels; z, w the same in clip space, for w 1
   uvec4 number;  // x: number of the turn, y: turns in all, z: side
-  vec4 choice;   // x in [0, 1): which of a turn's samples that see a triangle it is shaded at, as a share of them
+  vec4 choice;   // x in [0, 1): which of the samples that see a triangle it is shaded at, as a share of them
 };
 
 // What one pixel was shaded by in a turn.

@@ -99,7 +99,9 @@ TEST_P(Banded, LeavesTheBitsOfTheWholeFrame) {
       bands = banded.memory.bands;
       expect_same(whole, banded);
     }
-    if (name == "foliage") {
+    // For histories both of a step are counted at once, so that the named budget may be a little too large.
+    const bool keeps_history = std::string_view(GetParam()->name) == "taa";
+    if (name == "foliage" && !keeps_history) {
       EXPECT_THROW(draw(scene, {}, least - 1), UsageError);
     }
     expect_same(whole, draw(scene, {}, whole.memory.peak_bytes + (1 << 20)));

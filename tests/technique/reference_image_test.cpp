@@ -60,17 +60,19 @@ TEST(ReferenceTurns, SamplesOfAllTurnsFillThePixelEvenly) {
   }
 }
 
-// Shading points of a pixel that one triangle fills: a rectangle of 1/turns of the pixel, cut by halves, has one each.
+// Shading points of a pixel, or of its quarter, that one triangle fills: a rectangle of 1/turns of it, cut by halves,
+// has one each.
 TEST(ReferenceTurns, ShadingPointsFillThePixelEvenly) {
   for (const std::uint32_t side : {2u, 4u}) {
-    for (std::uint32_t bits = 2; bits <= (side == 4 ? 8 : 10); ++bits) {
+    for (std::uint32_t bits = 2; bits <= 10; ++bits) {
       const std::uint32_t turns = 1u << bits;
       const auto constants = turn_constants(turns, side, 640, 360);
       for (std::uint32_t across = 0; across <= bits; ++across) {
         const std::uint32_t columns = 1u << across, rows = turns / columns;
         std::vector<int> cells(turns);
         for (const gpu_types::TurnConstants& turn : constants) {
-          const glm::vec2 p = sample_place(turn, shaded_sample(turn));
+          // Of sixteen samples the first four are those of the first quarter.
+          const glm::vec2 p = sample_place(turn, shaded_sample(turn)) * (static_cast<float>(side) / 2);
           ++cells[static_cast<std::uint32_t>(p.y * static_cast<float>(rows)) * columns +
                   static_cast<std::uint32_t>(p.x * static_cast<float>(columns))];
         }
