@@ -23,7 +23,7 @@ web: base
 server/store: base replay/results
 server/engine: base process replay/results server/store
 server/nightly: base capture_format scenes/generate replay replay/results replay/measure process server/store server/engine
-server: base capture_format replay replay/results replay/measure process web server/store server/nightly
+server: base capture_format replay replay/results replay/measure process web server/store server/engine server/nightly
 '
 # The library whose folder a file is in: the longest that leads to it.
 folder_of() {

@@ -17,6 +17,7 @@ def night(folder):
         head = json.loads(head) if head else {}
         for times in ("date_utc", "wall_s", "outside_gpu_s", "outside_parts_s"):
             head.pop(times, None)
+        head.pop("peak_bytes", None)  # of a process, which draws a shard or all
         read[f"capture {name}"] = [content, problem, head]
     frames = store.execute("SELECT n.name, c.technique, f.frame, f.document FROM night_cells c JOIN night_captures n ON "
                            "n.night = c.night AND n.ordinal = c.capture JOIN night_frames f ON f.cell = c.id WHERE "

@@ -205,7 +205,7 @@ printf '#!/bin/sh\nsleep 600\n' >"$folder/sleep.sh"
 start_cluster "$folder/cluster" MaxJobCount=250
 sed 's/^SlurmctldPort=.*/SlurmctldPort=1/; s/^MessageTimeout=.*/MessageTimeout=1/' "$SLURM_CONF" >"$folder/nobody.conf"
 cases=("$@")
-[ ${#cases[@]} -gt 0 ] || cases=(timed_out equal missing cancelled ended drained full killed accounting)
+[ ${#cases[@]} -gt 0 ] || cases=(timed_out equal missing cancelled ended drained full killed)  # accounting by name: minutes
 beside=
 for name in "${cases[@]}"; do
   if [ "$name" = timed_out ]; then
