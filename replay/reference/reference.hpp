@@ -46,10 +46,10 @@ using ReferenceProgress = std::function<void(std::uint32_t done, std::uint32_t t
 std::uint64_t reference_bytes(std::uint32_t samples, std::uint32_t width, std::uint32_t height, bool tone_map_samples);
 
 // Each turn draws triangle numbers at two or four times the width and height, which is four or sixteen samples a pixel
-// (and on lavapipe faster than the driver's own), and shades each triangle that some of four samples see once, so a pixel has
-// at least samples / 4 shading samples. Samples and shading points of all turns are spread evenly over
-// the pixel's square: the result tends to the box-filtered image. Texture gradients are analytic, of one pixel, as in
-// the techniques. Throws UsageError (options out of range), InputError and DeviceError.
+// (and on lavapipe faster than the driver's own), and shades each triangle that some of four samples see once, so a
+// pixel has at least samples / 4 shading samples. Samples and shading points of all turns are spread evenly over the
+// pixel's square: the result tends to the box-filtered image. Texture gradients are analytic, of one pixel, as in the
+// techniques. Throws UsageError (options out of range), InputError and DeviceError.
 ReferenceImage render_reference(gpu::Device& device, GpuScene& scene, const ReferenceOptions& options,
                                 const ReferenceProgress& progress = {});
 

@@ -104,6 +104,20 @@ const press = async (...names) => {
   await settled();
 };
 
+// The page that `press` writes, opened by itself; it may ask for nothing.
+const openReport = async (name, press) => {
+  const download = page.waitForEvent('download');
+  await press();
+  const path = join(tmpdir(), `subpixel-${name}-${process.pid}.html`);
+  await (await download).saveAs(path);
+  const other = await browser.context.newPage();
+  const asked = [];
+  other.on('request', (request) => asked.push(request.url()));
+  await other.goto(`file://${path}`);
+  assert.deepEqual(asked.filter((url) => !url.startsWith('file:') && !url.startsWith('data:')), []);
+  return other;
+};
+
 const tests = [
   ['the service starts', async () => {
     await service.start();
@@ -688,15 +702,7 @@ const tests = [
   }],
 
   ["a night's report has its grid, the cell with its pictures, and the story", async () => {
-    const download = page.waitForEvent('download');
-    await page.keyboard.press('r');
-    const path = join(tmpdir(), `subpixel-night-${process.pid}.html`);
-    await (await download).saveAs(path);
-    const other = await browser.context.newPage();
-    const asked = [];
-    other.on('request', (request) => asked.push(request.url()));
-    await other.goto(`file://${path}`);
-    assert.deepEqual(asked.filter((url) => !url.startsWith('file:') && !url.startsWith('data:')), []);
+    const other = await openReport('night', () => page.keyboard.press('r'));
     const text = await other.locator('body').innerText();
     for (const words of ['Night 2 of nightly: failed', 'made up, msaa:samples=8: failed', '<i>failed</i>', 'Box at', 'Pixel 80, 44 of frame 1', 'merged into surface 0, against the parameters']) assert.ok(text.includes(words), words);
     assert.deepEqual(await other.locator('figure img').evaluateAll((images) => images.map((image) => image.naturalWidth > 100)), [true, true, true, true], 'baseline, tonight, difference and the view');
@@ -761,15 +767,7 @@ const tests = [
     await page.locator('.box-panel h3').waitFor();
     await press('w');
     await page.locator('.place').first().waitFor();
-    const download = page.waitForEvent('download');
-    await page.getByRole('button', {name: 'Report'}).click();
-    const path = join(tmpdir(), `subpixel-report-${process.pid}.html`);
-    await (await download).saveAs(path);
-    const other = await browser.context.newPage();
-    const asked = [];
-    other.on('request', (request) => asked.push(request.url()));
-    await other.goto(`file://${path}`);
-    assert.deepEqual(asked.filter((url) => !url.startsWith('file:') && !url.startsWith('data:')), []);
+    const other = await openReport('report', () => page.getByRole('button', {name: 'Report'}).click());
     assert.ok(await other.locator('figure img').first().evaluate((element) => element.naturalWidth > 500));
     assert.equal(await other.locator('svg[viewBox="0 0 900 420"], svg[aria-label$="over frames"]').count(), 2);
     const text = await other.locator('body').innerText();
