@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -125,6 +126,27 @@ TEST(ReferenceImage, PartsOfPixelsAreShadedEvenly) {
       EXPECT_NEAR(red(once, 10, 9), 0.5 * colour_at(10.5, 9.25), 0.002);
       EXPECT_NEAR(red(once, 9, 8), colour_at(9.5, 8.5), 0.002);
     }
+  }
+}
+
+// A pixel that one triangle fills: one shading for four samples, whether a turn has four or sixteen.
+TEST(ReferenceImage, FourSamplesShareAShading) {
+  auto capture = flat_capture(kSide, kSide);
+  const auto material = add_emitter(capture, {1, 1, 1});
+  add_triangles(capture, {-3, -1, 0, 3, -1, 0, 0, 3, 0}, material);
+  GpuScene scene(test_device(), capture, {});
+  scene.set_frame(0, kSide, kSide);
+  for (const std::uint32_t samples : {128u, 256u}) {
+    PixelReference told{.pixel = {16, 20}, .shadings = {}};
+    render_reference(test_device(), scene, {.samples = samples, .story = &told});
+    EXPECT_EQ(told.shadings.size(), samples / 4);
+    int cells[4][4] = {};
+    for (const PixelShading& one : told.shadings) {
+      EXPECT_EQ(std::popcount(one.samples), 4);
+      ++cells[static_cast<int>(4 * one.at.y)][static_cast<int>(4 * one.at.x)];
+    }
+    for (const auto& row : cells)
+      for (const int count : row) EXPECT_EQ(count, samples / 64);
   }
 }
 
