@@ -45,25 +45,32 @@ std::string head(const Measured& measured, const std::string& command, const std
       "```\nninja -C build/release subpixel_bench_report\n{}\n```\n\n"
       "It stores every run when it is done (`build/report/`) and goes on after an interruption where it was; `--fresh` "
       "starts over,\n"
-      "`--only-write` writes the page from what is stored, `--quick` is a small form of minutes.\n\n"
+      "`--only-write` writes the page from what is stored, `--quick` is a small form of minutes. The runs that this "
+      "page was written from are\n"
+      "[beside it]({}/), as `subpixel replay --json` writes them: `--only-write --folder docs/{}` makes the page from "
+      "those.\n\n"
       "Driver: {}. Processor: {}. Measured {} to {}, {:.0f} minutes of replay.\n\n",
-      command, joined(drivers), joined(processors), first, last, minutes);
+      command, kMeasuredFolder, kMeasuredFolder, joined(drivers), joined(processors), first, last, minutes);
   if (!missing.empty())
     text += fmt::format(
         "**Not there yet**: of {} runs that the command makes, {} are stored. A claim that needs one of the others "
         "says "
         "\"not measured\", or by which size it was judged. Missing: {}.\n\n",
         measured.runs.size() + missing.size(), measured.runs.size(), fmt::join(missing, ", "));
-  text +=
-      "| run | triangles | point lights | settings | reference | repeats | measured |\n"
-      "| --- | --- | --- | --- | --- | --- | --- |\n";
+  const bool several = processors.size() > 1;
+  text += fmt::format(
+      "| run | triangles | point lights | settings | reference | repeats | measured |{}\n"
+      "| --- | --- | --- | --- | --- | --- | --- |{}\n",
+      several ? " processor |" : "", several ? " --- |" : "");
   for (const Run& run : measured.runs) {
     const replay::ResultsHead& of = run.results.head;
-    text += fmt::format("| {} {}x{}{} | {} | {} | {} | {} | {} | {} |\n", run.plan.scene, of.width, of.height,
-                        run.plan.frames > 1 ? fmt::format(", {} frames", run.plan.frames) : "",
-                        of.triangles_first_frame, of.point_lights, run.plan.techniques.size(),
-                        of.reference_samples == 0 ? "none" : fmt::format("{} samples", of.reference_samples), of.repeat,
-                        of.date_utc.substr(0, 16));
+    text +=
+        fmt::format("| [{} {}x{}{}]({}/{}.json) | {} | {} | {} | {} | {} | {} |", run.plan.scene, of.width, of.height,
+                    run.plan.frames > 1 ? fmt::format(", {} frames", run.plan.frames) : "", kMeasuredFolder,
+                    run.plan.name(), of.triangles_first_frame, of.point_lights, run.plan.techniques.size(),
+                    of.reference_samples == 0 ? "none" : fmt::format("{} samples", of.reference_samples), of.repeat,
+                    of.date_utc.substr(0, 16));
+    text += several ? fmt::format(" {} |\n", of.cpu_model) : "\n";
   }
   return text +
          "\nOne frame of each scene, but for flicker. Times are warm medians of a software rasteriser: read them as "

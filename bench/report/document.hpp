@@ -10,6 +10,9 @@
 
 namespace subpixel::report {
 
+// Beside the page: the files it was written from (publish()).
+inline constexpr const char* kMeasuredFolder = "measured";
+
 struct Document {
   std::string markdown;
   std::vector<std::pair<std::string, std::string>> images;  // path from the page's folder, SVG

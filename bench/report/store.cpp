@@ -198,4 +198,14 @@ Measured read_measured(const std::vector<RunPlan>& plan, const fs::path& folder)
   return measured;
 }
 
+void publish(const std::vector<RunPlan>& plan, const fs::path& folder, const fs::path& to) {
+  fs::create_directories(to);
+  if (fs::equivalent(folder, to)) return;
+  for (const fs::directory_entry& entry : fs::directory_iterator(to))
+    if (entry.path().extension() == ".json") fs::remove(entry.path());
+  for (const RunPlan& run : plan)
+    for (const fs::path& file : {file_of(run, folder), pairs_file_of(run, folder)})
+      if (fs::exists(file)) fs::copy_file(file, to / file.filename());
+}
+
 }  // namespace subpixel::report

@@ -32,6 +32,10 @@ bool is_timed(const RunPlan& run);
 // What is stored of the plan. Throws InputError for a damaged file.
 Measured read_measured(const std::vector<RunPlan>& plan, const std::filesystem::path& folder);
 
+// Copies what is stored of the plan to `to`, where nothing else of that kind stays: the numbers behind a page, to lie
+// beside it. Nothing when `to` is `folder`.
+void publish(const std::vector<RunPlan>& plan, const std::filesystem::path& folder, const std::filesystem::path& to);
+
 // Whether stored results are those that the plan asks for.
 bool answers(const replay::Results& results, const RunPlan& plan);
 

@@ -28,9 +28,11 @@ class ReportTool : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   int run(const std::string& arguments) {
-    const std::string command = "'" SUBPIXEL_REPORT_BINARY "' --quick --size 48x28 --folder '" + folder_.string() +
-                                "' --out '" + page().string() + "' " + arguments + " >'" + folder_.string() +
-                                "/out' 2>'" + folder_.string() + "/log'";
+    const std::string own =
+        arguments.find("--folder") == std::string::npos ? " --folder '" + folder_.string() + "'" : "";
+    const std::string command = "'" SUBPIXEL_REPORT_BINARY "' --quick --size 48x28" + own + " --out '" +
+                                page().string() + "' " + arguments + " >'" + folder_.string() + "/out' 2>'" +
+                                folder_.string() + "/log'";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -51,8 +53,9 @@ TEST_F(ReportTool, MeasuresStoresGoesOnAndWritesAgain) {
   EXPECT_EQ(text_of(folder_ / "cube_48x28.json"), stored);
 
   const std::string written = text_of(page());
-  for (const char* part : {"# Results", "| cube 48x28 |", "| spheres 48x28 |", "96 bytes/pixel, 50.0%", "\nHeld.\n",
-                           "### Lowest error in at most", "`streaming S=3`", "(images/results/spheres_memory.svg)"})
+  for (const char* part :
+       {"# Results", "| [cube 48x28](measured/cube_48x28.json) |", "| [spheres 48x28](", "96 bytes/pixel, 50.0%",
+        "\nHeld.\n", "### Lowest error in at most", "`streaming S=3`", "(images/results/spheres_memory.svg)"})
     EXPECT_NE(written.find(part), std::string::npos) << part << "\n" << written;
   EXPECT_TRUE(fs::exists(page().parent_path() / "images/results/spheres_memory.svg"));
 
@@ -60,6 +63,18 @@ TEST_F(ReportTool, MeasuresStoresGoesOnAndWritesAgain) {
   ASSERT_EQ(run("--only-write --scenes cube,spheres" + few), 0) << text_of(folder_ / "log");
   EXPECT_EQ(text_of(page()), written);
   EXPECT_EQ(text_of(folder_ / "log"), "");
+
+  // What lies beside the page makes it again, and nothing that the plan does not have stays there.
+  const fs::path measured = page().parent_path() / "measured";
+  EXPECT_EQ(text_of(measured / "cube_48x28.json"), stored);
+  fs::remove(page());
+  ASSERT_EQ(run("--only-write --scenes cube,spheres" + few + " --folder '" + measured.string() + "'"), 0);
+  EXPECT_EQ(text_of(page()), written);
+  EXPECT_EQ(text_of(measured / "cube_48x28.json"), stored);
+  std::ofstream(measured / "sphere_48x28.json") << "{}";
+  ASSERT_EQ(run("--only-write --scenes cube" + few), 0) << text_of(folder_ / "log");
+  EXPECT_FALSE(fs::exists(measured / "sphere_48x28.json"));
+  EXPECT_FALSE(fs::exists(measured / "spheres_48x28.json"));
 
   // All is there, so this call is a new measurement; the old one is kept aside.
   ASSERT_EQ(run("--scenes cube" + few), 0) << text_of(folder_ / "log");

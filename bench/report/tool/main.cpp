@@ -68,6 +68,7 @@ void run(Arguments arguments) {
         measured.runs.end())
       missing.push_back(of.name());
   write_document(make_document(measured, all_claims(), command_of(arguments), missing), arguments.out);
+  publish(plan, arguments.folder, arguments.out.parent_path() / kMeasuredFolder);
   fmt::print("{} of {} runs: {}\n", measured.runs.size(), plan.size(), arguments.out.string());
 }
 
