@@ -227,11 +227,12 @@ void Api::admit(const Request& request) {
 }
 
 void Api::answered(const Request& request, const Response& response) {
+  const RequestContext context = take_request_context();
   const Exchange& exchange = Exchange::current();
   if (exchange.waits_for_body()) return;  // it will be answered again
-  const RequestContext& context = request_context();
   const std::string operation = context.found.route != nullptr ? context.found.route->id : "other";
-  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - context.begun;
+  const auto now = std::chrono::steady_clock::now();
+  const std::chrono::duration<double> time = now - context.begun.value_or(now);
   metrics_.count(operation, response.status, time.count(), exchange.body_bytes());
   if (!options_.log_requests) return;
   const LogField method("method", request.method), path("path", request.path), what("operation", operation);

@@ -322,6 +322,18 @@ TEST_F(Description, HasAnExampleOfAllThatDocsName) {
   }
 }
 
+// What the library refuses by itself is not told of as the request before it on the same thread.
+TEST_F(Description, WhatIsNoHttpCountsAsNoOperation) {
+  for (int i = 0; i < 40; ++i) {
+    client().get("/api/health");
+    EXPECT_EQ(raw_exchange(port(), "HELLO /api/health HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n", true).substr(9, 3), "400");
+  }
+  const std::string metrics = client().http().Get("/metrics")->body;
+  for (const char* const line : {"subpixel_http_requests_total{operation=\"get_health\",status=\"200\"} 40\n",
+                                 "subpixel_http_requests_total{operation=\"other\",status=\"400\"} 40\n"})
+    EXPECT_NE(metrics.find(line), std::string::npos) << line << " is not in\n" << metrics;
+}
+
 TEST_F(Description, MetricsCountWhatHappens) {
   const std::string hash = client().upload_fake({{"frames", 1}});
   const std::int64_t crashed =
