@@ -212,9 +212,9 @@ void Bands::choose() {
     const CountedFragments found =
         count_fragment_lists(scene_.frontend_frame(parameters_.alpha), *setting_.technique->lists);
     total += found.total;
-    longest = std::max(longest, found.longest);
+    longest = std::max(longest, found.sizes.longest);
   });
-  lists_ = lists_pay(frontend.device(), total, longest, pixels, triangles);
+  lists_ = lists_pay(total, longest, pixels, triangles);
 }
 
 FrameSetup Bands::prepare(FrameOutputs& outputs) {

@@ -112,6 +112,26 @@ void record_visible_counting(gpu::PassRecorder& recorder, const FrontendFrame& f
   record_all_bases(recorder, frame, counted, name);
 }
 
+// Sorts the lists of several parts.
+void record_long_lists(gpu::PassRecorder& recorder, const FrontendFrame& frame, const FragmentLists& lists,
+                       const std::string& name) {
+  gpu::Buffer& merged = recorder.buffer("merged fragment numbers", lists.count * 4);
+  const auto record = [&](const std::string& shader, std::uint32_t part) {
+    gpu::ComputePass pass;
+    pass.name = name;
+    pass.shader = shader;
+    pass.push = gpu::PushConstants(gpu_types::ListPartPush{.lists = lists.writes(pass),
+                                                           .merged = pass.writes(merged),
+                                                           .width = frame.width,
+                                                           .height = frame.height,
+                                                           .part = part});
+    pass.groups = {(frame.width + 7) / 8, (frame.height + 7) / 8, 1};
+    recorder.compute(std::move(pass));
+  };
+  for (std::uint32_t part = 0; part < lists.parts; ++part) record("frontend/sort_part.comp", part);
+  record("frontend/merge_parts.comp", 0);
+}
+
 std::vector<FragmentLists::Batch> batches_of(const Frontend& frontend, const Counted& counted) {
   const auto sums = counted.chunk_sums->as<glm::uvec4>();
   std::vector<FragmentLists::Batch> batches;
@@ -193,17 +213,15 @@ CountedFragments count_fragment_lists(const FrontendFrame& frame, ListedMasks ma
   for (std::size_t p = 0; p < begins.size(); ++p) {
     const auto next = p + 1 < begins.size() ? begins[p + 1] : static_cast<std::uint32_t>(sizes.count);
     found.total += next - begins[p];
-    found.longest = std::max(found.longest, next - begins[p]);
+    sizes.longest = std::max(sizes.longest, next - begins[p]);
   }
   sizes.batches = batches_of(frontend, counted);
   return found;
 }
 
-bool lists_pay(gpu::Device& device, std::uint64_t total, std::uint32_t longest, std::uint64_t pixels,
-               std::uint64_t triangles) {
+bool lists_pay(std::uint64_t total, std::uint32_t longest, std::uint64_t pixels, std::uint64_t triangles) {
   const std::uint64_t most = std::max(kMostFragmentsPerPixel * pixels, kMostFragmentsPerTriangle * triangles);
-  if (total > std::clamp(most, kAnyFragments, kMostFragments) || longest > kLongestList) return false;
-  return longest <= kLongestListOfShortLoops || runs_long_loops(device);
+  return total <= std::clamp(most, kAnyFragments, kMostFragments) && longest <= kLongestList;
 }
 
 std::optional<FragmentListSizes> measure_fragment_lists(const FrontendFrame& frame, ListedMasks masks) {
@@ -211,7 +229,7 @@ std::optional<FragmentListSizes> measure_fragment_lists(const FrontendFrame& fra
   const std::uint64_t pixels = std::uint64_t{frame.width} * frame.height;
   if (!lists_are_possible(frontend, pixels)) return std::nullopt;
   CountedFragments found = count_fragment_lists(frame, masks);
-  if (!lists_pay(frontend.device(), found.total, found.longest, pixels, frontend.hull_count())) return std::nullopt;
+  if (!lists_pay(found.total, found.sizes.longest, pixels, frontend.hull_count())) return std::nullopt;
   return std::move(found.sizes);
 }
 
@@ -246,7 +264,9 @@ FragmentLists record_fragment_lists(gpu::PassRecorder& recorder, const FrontendF
   const Counted counted = make_counted(recorder, frame);
   record_counting(recorder, frame, counted, lists_of(counted), name, sizes.masks);
   FragmentLists lists = lists_of(recorder, counted, sizes);
+  lists.parts = std::max(1u, (sizes.longest + SUBPIXEL_LIST_PART - 1) / SUBPIXEL_LIST_PART);
   record_collection(recorder, frame, lists, name, sizes.masks, "STORE");
+  if (lists.parts > 1) record_long_lists(recorder, frame, lists, name);
   return lists;
 }
 

@@ -23,6 +23,7 @@ struct FragmentLists {
   gpu::Buffer *fragments = nullptr, *numbers = nullptr, *ends = nullptr, *bases = nullptr;
   gpu::AddressTable* addresses = nullptr;  // of the four above
   std::uint64_t count = 0;
+  std::uint32_t parts = 1;  // of SUBPIXEL_LIST_PART fragments that the longest of a pixel has
   std::vector<Batch> batches;
 
   // Their addresses for the push constants of `pass`, which from then on reads them or writes them, too; 0 for those
@@ -31,9 +32,9 @@ struct FragmentLists {
   gpu_types::ListAddresses writes(gpu::AddressUses& pass) const;
 };
 
-// Fragments of one pixel that shaders go through, where a driver ends loops after 65,535 turns, all of an invocation
-// together (Mesa 22.3), and elsewhere.
-inline constexpr std::uint32_t kLongestListOfShortLoops = 900, kLongestList = 4000;
+// Fragments of one pixel that shaders go through: in one pass no more than a driver's loops take that ends them after
+// 65,535 turns, all of an invocation together (Mesa 22.3).
+inline constexpr std::uint32_t kLongestList = SUBPIXEL_LIST_PARTS * SUBPIXEL_LIST_PART;
 // Fragments take 20 bytes each and what a technique adds. A frame may have a million of them, or so many a pixel or a
 // triangle, and in no case more than the last. Where both pixels and triangles have more, most fragments are hidden
 // ones of triangles that fill the vectors of an ordered pass, which is faster then.
@@ -51,6 +52,7 @@ struct FragmentListSizes {
   std::uint64_t count = 0;
   std::uint64_t kept = 0;       // of `count`, those in rows that count (FrontendFrame)
   std::uint64_t triangles = 0;  // that have any
+  std::uint32_t longest = 0;    // of a pixel; not of visible ones, which have no more than samples
   std::vector<FragmentLists::Batch> batches;
 };
 
@@ -65,11 +67,9 @@ bool lists_are_possible(const Frontend& frontend, std::uint64_t pixels);
 struct CountedFragments {
   FragmentListSizes sizes;
   std::uint64_t total = 0;
-  std::uint32_t longest = 0;
 };
 CountedFragments count_fragment_lists(const FrontendFrame& frame, ListedMasks masks);
-bool lists_pay(gpu::Device& device, std::uint64_t total, std::uint32_t longest, std::uint64_t pixels,
-               std::uint64_t triangles);
+bool lists_pay(std::uint64_t total, std::uint32_t longest, std::uint64_t pixels, std::uint64_t triangles);
 
 // Collects the fragments of the frame that was measured, passes `name`. Set-up is recorded already.
 FragmentLists record_fragment_lists(gpu::PassRecorder& recorder, const FrontendFrame& frame,

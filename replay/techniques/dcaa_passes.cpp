@@ -122,7 +122,7 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   if (steps == nullptr) return;
   pixels.shader = "techniques/dcaa/story.comp";
   pixels.bindings.push_back(gpu::writes(DCAA_SLOT_STORY, *steps));
-  listed.record_merge(pixels);
+  listed.record_merge(pixels, 1);
 }
 
 gpu::RasterPass shading_pass(const FrameSetup& setup, const DcaaForm& form, const Resources& r) {

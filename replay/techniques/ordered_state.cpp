@@ -116,15 +116,18 @@ void ListedState::record_keep(gpu::ComputePass pass) const {
   record(std::move(pass));
 }
 
-void ListedState::record_merge(gpu::ComputePass pass) const {
-  const gpu_types::OrderedMergePush push{.lists = lists_.reads(pass),
-                                         .surfaces = pass.reads(surfaces_),
-                                         .kept = pass.reads(kept_),
-                                         .state = pass.writes(*state_.words),
-                                         .width = setup_.width,
-                                         .height = setup_.height};
-  pass.push = gpu::PushConstants(push);
-  record(std::move(pass));
+void ListedState::record_merge(const gpu::ComputePass& pass, std::uint32_t parts) const {
+  for (std::uint32_t part = 0; part < parts; ++part) {
+    gpu::ComputePass merge = pass;
+    merge.push = gpu::PushConstants(gpu_types::OrderedMergePush{.lists = lists_.reads(merge),
+                                                                .surfaces = merge.reads(surfaces_),
+                                                                .kept = merge.reads(kept_),
+                                                                .state = merge.writes(*state_.words),
+                                                                .width = setup_.width,
+                                                                .height = setup_.height,
+                                                                .part = part});
+    record(std::move(merge));
+  }
 }
 
 void ListedState::record(gpu::ComputePass pass) const {

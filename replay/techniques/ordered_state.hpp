@@ -62,10 +62,11 @@ class ListedState {
 
   // For the pass that makes the surfaces.
   gpu::Binding surfaces() const;
-  // Passes with the push constants OrderedKeepPush and OrderedMergePush. `pass` comes with name, shader, the
-  // technique's constants and bindings.
+  // Passes with the push constants OrderedKeepPush and OrderedMergePush, of the latter one for each part of the longest
+  // list, or as many as `parts` says. `pass` comes with name, shader, the technique's constants and bindings.
   void record_keep(gpu::ComputePass pass) const;
-  void record_merge(gpu::ComputePass pass) const;
+  void record_merge(const gpu::ComputePass& pass) const { record_merge(pass, lists_.parts); }
+  void record_merge(const gpu::ComputePass& pass, std::uint32_t parts) const;
 
  private:
   void record(gpu::ComputePass pass) const;

@@ -77,7 +77,7 @@ void record_list_compression(gpu::PassRecorder& recorder, const StreamingSetup& 
   if (steps == nullptr) return;
   pixels.shader = "techniques/streaming/story.comp";
   pixels.bindings = {gpu::writes(STREAM_SLOT_STORY, *steps)};
-  listed.record_merge(pixels);
+  listed.record_merge(pixels, 1);
 }
 
 gpu::RasterPass shading_pass(const StreamingSetup& setup, const OrderedState& state) {

@@ -27,7 +27,7 @@ uvec2 list_range(ListAddresses lists, uint p) {
 }
 
 // Lists come nearly sorted, which insertion likes; long ones may not take its worst case, since some drivers end loops after
-// 65,535 turns, so they go through a heap.
+// 65,535 turns, so they go through a heap. Those of several parts are sorted before, by sort_part.comp and merge_parts.comp.
 const uint kLongInsertion = 96u;
 
 void sort_by_insertion(FragmentNumbers numbers, uint begin, uint end) {
@@ -78,7 +78,8 @@ void sort_by_heap(FragmentNumbers numbers, uint begin, uint end) {
 // Brings [begin, end) of the numbers into submission order.
 void sort_list(FragmentNumbers numbers, uint begin, uint end) {
   for (bool go = end - begin <= kLongInsertion; go; go = false) sort_by_insertion(numbers, begin, end);
-  for (bool go = end - begin > kLongInsertion; go; go = false) sort_by_heap(numbers, begin, end);
+  for (bool go = end - begin > kLongInsertion && end - begin <= SUBPIXEL_LIST_PART; go; go = false)
+    sort_by_heap(numbers, begin, end);
 }
 
 #endif

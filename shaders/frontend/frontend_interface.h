@@ -29,6 +29,11 @@
 #define FRONTEND_SLOT_BLOCK_LISTS 7
 // Visibility without an order of fragments; a NearestAddresses:
 #define FRONTEND_SLOT_NEAREST 0
+// Longer lists of a pixel are sorted and merged in parts of so many fragments, each by a pass of its own: some drivers end loops
+// after 65,535 turns, all of an invocation together.
+#define SUBPIXEL_LIST_PART 900u
+#define SUBPIXEL_LIST_PARTS 4u  // at most
+
 // Lists of fragments; slots of techniques' own begin behind the first.
 #define FRONTEND_SLOT_LISTS 0           // a ListAddresses
 #define FRONTEND_SLOT_FRAGMENT_BASES 4  // of records
@@ -154,6 +159,15 @@ struct VisibleFragmentsPush {
   ListAddresses lists;
   uint width;
   uint height;
+};
+
+// Of sort_part.comp and merge_parts.comp.
+struct ListPartPush {
+  ListAddresses lists;
+  ADDRESS(FragmentNumbers) merged;
+  uint width;
+  uint height;
+  uint part;
 };
 
 // Of collect.comp.

@@ -39,18 +39,19 @@ struct OrderedKeepPush {
   uint width, height;
 };
 
-// Of passes over pixels that merge the fragments kept.
+// Of passes over pixels that merge the fragments kept: part after part, each pass with what the one before left in the state.
 struct OrderedMergePush {
   ListAddresses lists;
   ADDRESS(ListedSurfaces) surfaces;
   ADDRESS(KeptCounts) kept;
   ADDRESS(StateQuads) state;
   uint width, height;
+  uint part;  // which SUBPIXEL_LIST_PART of them
 };
 
 #ifdef __cplusplus
 static_assert(sizeof(OrderedKeepPush) == 64);
-static_assert(sizeof(OrderedMergePush) == 64);
+static_assert(sizeof(OrderedMergePush) == 72);
 }  // namespace subpixel::gpu_types
 #endif
 #endif

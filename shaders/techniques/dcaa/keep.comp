@@ -23,6 +23,9 @@ layout(push_constant, scalar) uniform Push { OrderedKeepPush push; };
 // Of a fragment that covers nothing, any.
 RecordDepth fragment_record_depth(uint record) { return record_depth(record == kNothing ? 0u : record); }
 
+// Exact masks are there already (masks.comp): their loops would count here even where no lane enters them.
+const bool kMakesMasks = (DCAA_OPTIONS & DCAA_TABLE) != 0u;
+
 uvec2 listed_mask(uint record, ivec2 pixel) {
   uvec4 v01 = push.records.record[record].v01, v2_ref = push.records.record[record].v2_ref;
   return fragment_coverage(pixel_edges(ivec2(v01.xy), ivec2(v01.zw), ivec2(v2_ref.xy), pixel, v2_ref.w));
@@ -50,7 +53,7 @@ void main() {
       // Loops are skipped when no lane needs them.
       for (bool helps = fragment.x != kNothing && own.x > b.bound.x; helps; helps = false) {
         uvec2 mask = fragment.zw;
-        for (bool missing = mask == uvec2(0u); missing; missing = false) {
+        for (bool missing = kMakesMasks && mask == uvec2(0u); missing; missing = false) {
           mask = listed_mask(fragment.x, pixel);
           push.lists.fragments.fragment[number] = uvec4(mask == uvec2(0u) ? kNothing : fragment.x, fragment.y, mask);
         }
@@ -71,7 +74,7 @@ void main() {
       first = second;
       second = list_entry(i + 2u, range.y);
       uvec2 mask = fragment.zw;
-      for (bool missing = keeps && mask == uvec2(0u); missing; missing = false) mask = listed_mask(fragment.x, pixel);
+      for (bool missing = kMakesMasks && keeps && mask == uvec2(0u); missing; missing = false) mask = listed_mask(fragment.x, pixel);
       if (keeps && mask != uvec2(0u)) {
         push.lists.fragments.fragment[number] = uvec4(fragment.x | kKept, fragment.y, mask);
         push.lists.numbers.number[place] = number;

@@ -34,24 +34,32 @@ void main() {
   ivec2 pixel = invocation_pixel(gl_WorkGroupID.xy, gl_LocalInvocationID.x);
   if (any(greaterThanEqual(pixel, ivec2(push.width, push.height)))) return;
   uint p = uint(pixel.y) * push.width + uint(pixel.x);
-  uint begin = list_range(push.lists, p).x, end = begin + push.kept.count[p];
+  uvec2 part = merged_part(list_range(push.lists, p).x, push.kept.count[p], push.part);
+  bool follows = push.part > 0u;
+  if (follows && part.x == part.y) return;
   DcaaState state;
   for (uint i = 0u; i < MAX_STATE_WORDS; ++i) state.word[i] = 0u;
+  for (bool go = follows; go; go = false)
+    for (uint i = 0u; i < STATE_QUADS; ++i) SET_QUAD_OF(state.word, i, push.state.quads[p * STATE_QUADS + i])
   DcaaSurface surface[DCAA_MAX_SURFACES];
   for (uint i = 0u; i < SURFACES; ++i) surface[i] = dcaa_unpack(state, i);
-  uint word = 0u;
+  uint word = state.word[0];
   // The first fragment is the first surface, whatever it is.
-  for (bool any = begin < end; any; any = false) {
+  uint begin = part.x;
+  for (bool any = !follows && part.x < part.y; any; any = false) {
     surface[0] = listed_surface(push.lists.numbers.number[begin]);
     word = 1u;
+    ++begin;
   }
-  for (bool go = begin + 1u < end; go; go = false) {
+  for (bool go = begin < part.y; go; go = false) {
     DcaaView camera = view;
     vec3 ray = dcaa_ray(pixel, camera);
     DcaaPlane plane[DCAA_MAX_SURFACES];
     plane[0] = dcaa_plane(surface[0], ray, camera);
     for (uint i = 1u; i < SURFACES; ++i) plane[i] = DcaaPlane(vec3(0.0), vec2(0.0));
-    for (uint i = begin + 1u; i < end; ++i)
+    for (bool again = follows; again; again = false)
+      for (uint i = 1u; i < SURFACES; ++i) plane[i] = dcaa_plane(surface[i], ray, camera);
+    for (uint i = begin; i < part.y; ++i)
       dcaa_add(word, surface, plane, listed_surface(push.lists.numbers.number[i]), ray, camera);
   }
   state.word[0] = word;

@@ -19,13 +19,16 @@ void main() {
   ivec2 pixel = invocation_pixel(gl_WorkGroupID.xy, gl_LocalInvocationID.x);
   if (any(greaterThanEqual(pixel, ivec2(push.width, push.height)))) return;
   uint p = uint(pixel.y) * push.width + uint(pixel.x);
-  uint begin = list_range(push.lists, p).x, end = begin + push.kept.count[p];
+  uvec2 part = merged_part(list_range(push.lists, p).x, push.kept.count[p], push.part);
+  if (push.part > 0u && part.x == part.y) return;
   StreamList list;
   for (uint i = 0u; i < MAX_LIST_WORDS; ++i) list.word[i] = 0u;
+  for (bool follows = push.part > 0u; follows; follows = false)
+    for (uint i = 0u; i < LIST_QUADS; ++i) SET_QUAD_OF(list.word, i, push.state.quads[p * LISTED_STATE_QUADS + DEPTH_QUADS + i])
   uint word;
   StreamSurface surface[STREAM_MAX_SURFACES];
   stream_unpack(list, word, surface);
-  for (uint i = begin; i < end; ++i) {
+  for (uint i = part.x; i < part.y; ++i) {
     uint number = push.lists.numbers.number[i];
     uvec2 masks = push.lists.fragments.fragment[number].zw;
     uvec4 words = push.surfaces.surface[number].words;
