@@ -18,6 +18,8 @@ def registry(subpixel):
 
 
 def text(value):
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
     return json.dumps(value) if isinstance(value, bool) else str(value)
 
 
