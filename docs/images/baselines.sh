@@ -37,7 +37,7 @@ for scene in "${scenes[@]}"; do
   sheet+=("$folder/$scene/frame0000_reference0.png" --resize:filter=blackman-harris 240x135)
 done
 mkdir -p "$images"/{scenes,forward,fxaa,simple_complex,sbaa}
-oiiotool "${sheet[@]}" --mosaic:pad=4 4x3 --nosoftwareattrib --eraseattrib ".*" --compression zip:9 -o "$images/scenes/contact_sheet.png"
+oiiotool "${sheet[@]}" --mosaic:pad=4 5x2 --nosoftwareattrib --eraseattrib ".*" -d uint8 --compression zip:9 -o "$images/scenes/contact_sheet.png"
 panels "$images/forward/bamboo.png" 4x1 bamboo 160x90+330+60 03_forward 03_forward_shading 03_forward_error 05_msaa_error
 panels "$images/forward/arcade.png" 4x1 arcade 160x90+10+100 03_forward 03_forward_shading 03_forward_error 05_msaa_error
 panels "$images/fxaa/city.png" 3x2 city 160x90+150+0 \
