@@ -15,7 +15,7 @@ hybrid="hybrid:surfaces=3|8,hybrid:second_merge=overlapping,hybrid:normals=mean|
 hybrid+=",hybrid:shown_only=false:least_shown=0"
 dcaa="dcaa:second_merge=none,dcaa:keep_front=false,dcaa:coverage=exact,dcaa:depth_bits=16"
 fails="msaa:samples=8,agaa:aggregates=1..4,agaa:ndf=sggx:aggregates=1..4"
-figure8="msaa:samples=8,dcaa:surfaces=1..4|6|8,dcaa:facet_normal=2x8|3x8|3x32,dcaa:depth_bits=16|20|32,dcaa:samples=16|32"
+figure8="msaa:samples=8,dcaa:surfaces=1|2|3|4|6|8,dcaa:facet_normal=2x8|3x8|3x32,dcaa:depth_bits=16|20|32,dcaa:samples=16|32"
 
 # run NAME CAPTURE SIZE REFERENCE TECHNIQUES
 run() {
