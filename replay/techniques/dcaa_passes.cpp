@@ -98,15 +98,18 @@ void record_list_merge(gpu::PassRecorder& recorder, const FrameSetup& setup, con
   fragments.constants = common_constants(setup);
   gpu::append(fragments.constants, constants_of(form));
   fragments.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table), gpu::reads(DCAA_SLOT_VIEW, *r.view), listed.surfaces()};
+  // Exact masks are long loops, and long lists are loops of many turns: then masks are made one an invocation.
+  const bool masks_first = (form.options & DCAA_TABLE) == 0 || lists.parts > 1;
+  DcaaForm listed_form = form;
+  if (masks_first) listed_form.options |= DCAA_MASKS_MADE;
   gpu::ComputePass pixels;
-  pixels.constants = constants_of(form);
+  pixels.constants = constants_of(listed_form);
   pixels.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table), gpu::reads(DCAA_SLOT_VIEW, *r.view)};
 
-  const bool exact = (form.options & DCAA_TABLE) == 0;
-  if (exact || setup.scene.features().has(FEATURE_ALPHA_TEST)) {
-    fragments.name = exact ? "masks" : "alpha";
+  if (masks_first || setup.scene.features().has(FEATURE_ALPHA_TEST)) {
+    fragments.name = masks_first ? "masks" : "alpha";
     fragments.shader = "techniques/dcaa/masks.comp";
-    fragments.alpha_only = !exact;
+    fragments.alpha_only = !masks_first;
     record_listed_fragments(recorder, setup, lists, fragments);
     fragments.alpha_only = false;
   }

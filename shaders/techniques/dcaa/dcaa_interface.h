@@ -32,6 +32,7 @@ namespace subpixel::gpu_types {
 #define DCAA_NEAREST 64u       // the second merge: with the nearest by the distance of aggregates, whose plane stays
 #define DCAA_SECOND_MOMENTS 128u  // surfaces keep the second moments of their shading normals, too
 #define DCAA_SHOWN_PART 256u      // fragments bring only samples that no surface wholly in front of them covers
+#define DCAA_MASKS_MADE 512u      // of passes over lists: fragments have their masks from a pass of their own
 
 // How a facet normal is stored.
 #define DCAA_NORMAL_2X16 0u  // octahedral (Cigolle et al. 2014)

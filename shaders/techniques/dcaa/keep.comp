@@ -23,8 +23,8 @@ layout(push_constant, scalar) uniform Push { OrderedKeepPush push; };
 // Of a fragment that covers nothing, any.
 RecordDepth fragment_record_depth(uint record) { return record_depth(record == kNothing ? 0u : record); }
 
-// Exact masks are there already (masks.comp): their loops would count here even where no lane enters them.
-const bool kMakesMasks = (DCAA_OPTIONS & DCAA_TABLE) != 0u;
+// Where masks are there already (masks.comp) their loops are left out: they would count even where no lane enters them.
+const bool kMakesMasks = (DCAA_OPTIONS & DCAA_MASKS_MADE) == 0u;
 
 uvec2 listed_mask(uint record, ivec2 pixel) {
   uvec4 v01 = push.records.record[record].v01, v2_ref = push.records.record[record].v2_ref;
