@@ -30,7 +30,7 @@ def parse(setting, defaults):
         sys.exit(f'{setting}: there is no technique {technique}')
     parameters = {name: text(value) for name, value in defaults[technique].items()}
     for part in given:
-        name, value = part.split('=')
+        name, _, value = part.partition('=')
         if name not in parameters:
             sys.exit(f'{setting}: {technique} has no parameter {name}')
         parameters[name] = value
@@ -56,7 +56,7 @@ def main():
     parser.add_argument('--subpixel', default='build/release/subpixel')
     options = parser.parse_args()
     defaults = registry(options.subpixel)
-    settings = options.settings.split(',')
+    settings = {setting: parse(setting, defaults) for setting in options.settings.split(',')}
     rows = {}
     for file in options.files:
         with open(file, encoding='utf-8') as stream:
@@ -64,8 +64,7 @@ def main():
         cells = rows.setdefault(told['head']['capture_title'], {})
         for result in told['results']:
             own = {name: text(value) for name, value in result['parameters'].items()}
-            for setting in settings:
-                technique, wanted = parse(setting, defaults)
+            for setting, (technique, wanted) in settings.items():
                 if result['technique'] == technique and all(wanted.get(n, v) == v for n, v in own.items()):
                     cells[setting] = number_of(result, options.number)
     print('| ' + ' | '.join(['scene'] + [f'`{s}`' for s in settings]) + ' |')

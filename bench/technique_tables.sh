@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The runs behind the tables of docs/techniques that the report (bench/report) does not have: settings of agaa, hybrid and
-# dcaa at 640x360 against 256 samples. Errors and counts, no times: the machine may be busy. Half an hour on 2 cores; goes on
-# where it was.
+# dcaa at 640x360 against 256 samples, scenes at 1920x1080 against 128. Errors and counts, no times: the machine may be busy.
+# A quarter of an hour on 2 quiet cores; goes on where it was.
 #   bench/technique_tables.sh build/release/subpixel FOLDER [CACHE]
 # FOLDER gets NAME.json for each capture, for bench/table.py; CACHE holds references (build/report/references has those of the report).
 set -euo pipefail
@@ -27,27 +27,29 @@ run() {
   mv "$folder/part.json" "$folder/$name.json"
   rm -rf "$folder/out"
 }
-# capture SCENE: its file
+# capture SCENE: $file is its, made when it is not there
 capture() {
-  local file=$folder/captures/$1.spcap
-  if [ ! -s "$file" ]; then
-    if [ "$1" = park ]; then
-      "$subpixel" import "$root/scenes/described/park.json" "$file" --frames 1 >/dev/null
-    else
-      "$subpixel" generate "$1" "$file" --frames 1 >/dev/null
-    fi
+  file=$folder/captures/$1.spcap
+  [ -s "$file" ] && return
+  if [ "$1" = park ]; then
+    "$subpixel" import "$root/scenes/described/park.json" "$file" --frames 1 >/dev/null
+  else
+    "$subpixel" generate "$1" "$file" --frames 1 >/dev/null
   fi
-  echo "$file"
 }
 for scene in grass fur tubes bamboo foliage city arcade plant cathedral park; do
-  run "$scene" "$(capture $scene)" 640x360 256 "msaa:samples=8|4|16|32,$agaa,$hybrid,$dcaa"
+  capture "$scene"
+  run "$scene" "$file" 640x360 256 "msaa:samples=8|4|16|32,$agaa,$hybrid,$dcaa"
 done
 for scene in agaa_correlation agaa_hairs agaa_railings; do
-  run "$scene" "$(capture $scene)" 640x360 256 "$fails"
+  capture "$scene"
+  run "$scene" "$file" 640x360 256 "$fails"
 done
 # Scenes that the report leaves out at this size.
 for scene in fur tubes foliage plant park; do
-  run "${scene}_1920x1080" "$(capture $scene)" 1920x1080 128 \
+  capture "$scene"
+  run "${scene}_1920x1080" "$file" 1920x1080 128 \
     "msaa:samples=8,forward:samples=8,sbaa:surfaces=4,dcaa,dcaa:second_merge=nearest,hybrid"
 done
-run city_figure8 "$(capture city)" 320x180 128 "$figure8"
+capture city
+run city_figure8 "$file" 320x180 128 "$figure8"

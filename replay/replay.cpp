@@ -424,22 +424,6 @@ void Replay::inspect(BandedFrame& recorded, const FrameResult& result, const std
   progress("capture", 1, 1, file.string());
 }
 
-// Of 8x4 pixels each, smaller at the right and lower edge: the sum of their largest count times their pixels.
-std::uint64_t group_executions(const std::vector<std::uint32_t>& counts, std::uint32_t width, std::uint32_t height) {
-  constexpr std::uint32_t kWide = 8, kHigh = 4;
-  std::uint64_t sum = 0;
-  for (std::uint32_t top = 0; top < height; top += kHigh) {
-    for (std::uint32_t left = 0; left < width; left += kWide) {
-      const std::uint32_t right = std::min(left + kWide, width), bottom = std::min(top + kHigh, height);
-      std::uint32_t most = 0;
-      for (std::uint32_t y = top; y < bottom; ++y)
-        for (std::uint32_t x = left; x < right; ++x) most = std::max(most, counts[std::size_t{y} * width + x]);
-      sum += std::uint64_t{most} * (right - left) * (bottom - top);
-    }
-  }
-  return sum;
-}
-
 void Replay::measure(FrameResult& result, FrameImages images, const Truths& truths, std::size_t which,
                      const std::string& stem) {
   const std::size_t pixels = images.executions.size();

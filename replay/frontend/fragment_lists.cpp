@@ -264,7 +264,7 @@ FragmentLists record_fragment_lists(gpu::PassRecorder& recorder, const FrontendF
   const Counted counted = make_counted(recorder, frame);
   record_counting(recorder, frame, counted, lists_of(counted), name, sizes.masks);
   FragmentLists lists = lists_of(recorder, counted, sizes);
-  lists.parts = std::max(1u, (sizes.longest + SUBPIXEL_LIST_PART - 1) / SUBPIXEL_LIST_PART);
+  lists.parts = list_parts(sizes.longest);
   record_collection(recorder, frame, lists, name, sizes.masks, "STORE");
   if (lists.parts > 1) record_long_lists(recorder, frame, lists, name);
   return lists;

@@ -2,6 +2,7 @@
 // full vectors: the device's rasteriser gives fragment shaders blocks of which small triangles fill little.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -23,7 +24,7 @@ struct FragmentLists {
   gpu::Buffer *fragments = nullptr, *numbers = nullptr, *ends = nullptr, *bases = nullptr;
   gpu::AddressTable* addresses = nullptr;  // of the four above
   std::uint64_t count = 0;
-  std::uint32_t parts = 1;  // of SUBPIXEL_LIST_PART fragments that the longest of a pixel has
+  std::uint32_t parts = 1;  // list_parts() of the longest
   std::vector<Batch> batches;
 
   // Their addresses for the push constants of `pass`, which from then on reads them or writes them, too; 0 for those
@@ -40,6 +41,11 @@ inline constexpr std::uint32_t kLongestList = SUBPIXEL_LIST_PARTS * SUBPIXEL_LIS
 // ones of triangles that fill the vectors of an ordered pass, which is faster then.
 inline constexpr std::uint64_t kAnyFragments = 1'000'000, kMostFragmentsPerPixel = 12, kMostFragmentsPerTriangle = 16;
 inline constexpr std::uint64_t kMostFragments = 32'000'000;
+
+// Parts of SUBPIXEL_LIST_PART fragments that a list of so many has, at least one.
+constexpr std::uint32_t list_parts(std::uint64_t fragments) {
+  return std::max(1u, static_cast<std::uint32_t>((fragments + SUBPIXEL_LIST_PART - 1) / SUBPIXEL_LIST_PART));
+}
 
 // Masks of up to 32 samples are collected: each fragment has a sample and carries those that geometry covers, before
 // alpha. Or lists hold all pixels that a triangle's edges reach, and masks are the technique's to make. Or they hold

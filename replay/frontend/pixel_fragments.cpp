@@ -84,7 +84,7 @@ FragmentLists pixel_lists(gpu::PassRecorder& recorder, const FrontendFrame& fram
                           std::span<const PixelFragment> fragments, ListedMasks masks) {
   FragmentLists lists;
   lists.count = fragments.size();
-  lists.parts = std::max(1u, static_cast<std::uint32_t>((lists.count + SUBPIXEL_LIST_PART - 1) / SUBPIXEL_LIST_PART));
+  lists.parts = list_parts(lists.count);
   lists.batches = batches_of(frame.frontend.scene(), fragments);
   lists.fragments = &recorder.buffer("story list", lists.count * 16);
   lists.numbers = &recorder.buffer("story list numbers", lists.count * 4);

@@ -188,6 +188,21 @@ Image error_map(const Image& reference, const Image& test) {
   return map;
 }
 
+std::uint64_t group_executions(std::span<const std::uint32_t> counts, std::uint32_t width, std::uint32_t height) {
+  constexpr std::uint32_t kWide = 8, kHigh = 4;
+  std::uint64_t sum = 0;
+  for (std::uint32_t top = 0; top < height; top += kHigh) {
+    for (std::uint32_t left = 0; left < width; left += kWide) {
+      const std::uint32_t right = std::min(left + kWide, width), bottom = std::min(top + kHigh, height);
+      std::uint32_t most = 0;
+      for (std::uint32_t y = top; y < bottom; ++y)
+        for (std::uint32_t x = left; x < right; ++x) most = std::max(most, counts[std::size_t{y} * width + x]);
+      sum += std::uint64_t{most} * (right - left) * (bottom - top);
+    }
+  }
+  return sum;
+}
+
 std::uint64_t invalid_pixels(const Image& image) {
   std::uint64_t invalid = 0;
   for (std::size_t at = 0; at < image.pixels.size(); at += image.channels) {

@@ -4,6 +4,9 @@
 // where both have the same: such a pixel is never equal to anything.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "replay/measure/image.hpp"
 
 namespace subpixel::replay {
@@ -36,6 +39,10 @@ double flicker(const Image& reference_before, const Image& reference_after, cons
 // One channel: the largest difference of a pixel's colour channels, |test - reference|, on display values; 1 where a
 // value is not finite.
 Image error_map(const Image& reference, const Image& test);
+
+// Lighting executions where groups of 8x4 pixels take as long as their busiest: the sum over groups, smaller at the
+// right and lower edge, of their largest count times their pixels. `counts`: of width x height pixels, row by row.
+std::uint64_t group_executions(std::span<const std::uint32_t> counts, std::uint32_t width, std::uint32_t height);
 
 // Pixels with a value that is NaN, infinite or negative in any channel: 0 in every image of a working technique.
 std::uint64_t invalid_pixels(const Image& image);

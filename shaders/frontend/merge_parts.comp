@@ -22,7 +22,8 @@ void main() {
       number[k] = next[k] < end[k] ? push.lists.numbers.number[next[k]] : 0xffffffffu;
     }
     for (uint i = range.x; i < range.y; ++i) {
-      uint least = min(min(number[0], number[1]), min(number[2], number[3]));
+      uint least = number[0];
+      for (uint k = 1u; k < SUBPIXEL_LIST_PARTS; ++k) least = min(least, number[k]);
       push.merged.number[i] = least;
       for (uint k = 0u; k < SUBPIXEL_LIST_PARTS; ++k) {
         bool taken = number[k] == least;

@@ -170,6 +170,7 @@ TEST(Metrics, ShapesThatDifferAreRefusedByName) {
 TEST(Percentiles, AgreeWithASortedCopy) {
   std::mt19937 random(6);
   std::vector<float> values;
+  values.reserve(10007);
   for (int i = 0; i < 10007; ++i) values.push_back(std::pow(static_cast<float>(random() % 100000) / 100000, 4.0F));
   values[3] = 0;
   std::vector<float> sorted = values;
@@ -202,6 +203,17 @@ TEST(Percentiles, OfEqualValuesAreThatValue) {
   EXPECT_EQ(Percentiles(zeros).weighted_at(0.5), 0);
   const std::vector<float> ones(100, 1.0F);
   EXPECT_EQ(Percentiles(ones).weighted_at(0.75), 1);
+}
+
+TEST(Metrics, GroupsOfPixelsTakeAsLongAsTheirBusiest) {
+  // 10x5: a group of 8x4, one of 2x4 beside it, one of 8x1 and one of 2x1 below.
+  std::vector<std::uint32_t> counts(50, 1);
+  counts[0] = 3;
+  counts[1] = 2;
+  counts[9] = 4;
+  counts[49] = 5;
+  EXPECT_EQ(group_executions(counts, 10, 5), 3u * 32 + 4u * 8 + 1u * 8 + 5u * 2);
+  EXPECT_EQ(group_executions(std::vector<std::uint32_t>(32, 0), 8, 4), 0u);
 }
 
 }  // namespace
