@@ -100,8 +100,9 @@ class Bands {
   const TemporalParameters* temporal_;
   gpu::MemoryLedger& ledger_;
   const std::uint32_t current_, height_, neighbours_, fewest_;
-  std::uint32_t rows_ = 0;  // that fit so far
-  bool lists_ = false;      // of a technique that may go through them in order
+  std::uint32_t rows_ = 0;          // that fit so far
+  bool lists_ = false;              // of a technique that may go through them in order
+  std::uint32_t longest_list_ = 0;  // of a pixel of the whole frame, when there are such lists
   std::optional<FrameMotion> motion_;
   History history_owner_, next_owner_;
   std::vector<gpu::Image*> history_, next_history_;
@@ -206,21 +207,25 @@ void Bands::choose() {
   scene_.set_small_triangles(small_lists ? SmallTriangles::in_lists : SmallTriangles::as_hulls);
   if (!lists_) return;
   std::uint64_t total = 0;
-  std::uint32_t longest = 0;
+  longest_list_ = 0;
   each_band([&](const Band&) {
     scene_.prepare(parameters_.samples);
     const CountedFragments found =
         count_fragment_lists(scene_.frontend_frame(parameters_.alpha), *setting_.technique->lists);
     total += found.total;
-    longest = std::max(longest, found.sizes.longest);
+    longest_list_ = std::max(longest_list_, found.sizes.longest);
   });
-  lists_ = lists_pay(total, longest, pixels, triangles);
+  lists_ = lists_pay(total, longest_list_, pixels, triangles);
 }
 
 FrameSetup Bands::prepare(FrameOutputs& outputs) {
   scene_.prepare(parameters_.samples);
   FrameSetup setup(scene_.frontend_frame(parameters_.alpha), parameters_, outputs);
-  if (lists_) setup.lists = count_fragment_lists(setup, *setting_.technique->lists).sizes;
+  if (lists_) {
+    setup.lists = count_fragment_lists(setup, *setting_.technique->lists).sizes;
+    // Passes are chosen by it: each band has those of the whole frame.
+    setup.lists->longest = longest_list_;
+  }
   if (setting_.technique->lists == ListedMasks::visible) setup.lists = scene_.visible_fragments(parameters_.alpha);
   setup.motion = motion_;
   setup.history = history_;
