@@ -105,6 +105,7 @@ gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scen
                     {REFERENCE_CONSTANT_SHADE_ALL_SAMPLES, options.shade_all_samples ? 1u : 0u}};
   pass.bindings = bindings_of(scene, work);
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_SPOT_CONES, scene.spot_cones));
+  pass.bindings.push_back(gpu::reads(FRAME_SLOT_LIGHT_CELLS, scene.light_cells));
   pass.push = gpu::PushConstants(push_of(pass, scene, work));
   const auto& size = scene.constants().viewport;
   pass.groups = {groups(static_cast<std::uint32_t>(size.x)), groups(static_cast<std::uint32_t>(size.y)), 1};

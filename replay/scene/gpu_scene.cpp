@@ -11,6 +11,7 @@
 #include "replay/gpu/material_sets.hpp"
 #include "replay/results/limits.hpp"
 #include "replay/scene/frame_points.hpp"
+#include "replay/scene/light_cells.hpp"
 #include "replay/scene/materials.hpp"
 #include "replay/scene/shadow_pass.hpp"
 #include "replay/scene/textures.hpp"
@@ -233,6 +234,8 @@ GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const S
   spot_cones = gpu::Buffer(
       device, "spot cones",
       features_.has(FEATURE_SPOT_LIGHTS) ? SUBPIXEL_MAX_POINT_LIGHTS * sizeof(gpu_types::SpotConeConstants) : 0);
+  light_cells = gpu::Buffer(device, "light cells",
+                            features_.has(FEATURE_POINT_LIGHTS) ? kMostLightWords * sizeof(std::uint32_t) : 0);
   impl_->upload_textures(device, capture);
   impl_->make_sets(device, capture);
 
@@ -312,6 +315,11 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
   std::copy(lights.begin(), lights.end(), value.point_lights);
   if (features_.has(FEATURE_SPOT_LIGHTS))
     std::ranges::copy(cone_constants(captured_lights), spot_cones.as<gpu_types::SpotConeConstants>().begin());
+  if (features_.has(FEATURE_POINT_LIGHTS)) {
+    const LightCells cells = replay::light_cells(lights, value.view_projection);
+    value.light_cells = cells.constants;
+    std::ranges::copy(cells.lights, light_cells.as<std::uint32_t>().begin());
+  }
   value.counts = {static_cast<std::uint32_t>(lights.size()), static_cast<std::uint32_t>(capture_.materials.size()),
                   instance, 0};
 
@@ -383,7 +391,7 @@ bool GpuScene::has_textures(std::uint32_t material) const {
 std::uint64_t GpuScene::bytes() const {
   std::uint64_t total = shadow_map.bytes() + impl_->white.bytes();
   for (const gpu::Buffer* buffer : {&positions, &normals, &uvs, &tangents, &second_uvs, &colours, &indices, &instances,
-                                    &materials, &uv_mappings, &spot_cones, &frame_constants})
+                                    &materials, &uv_mappings, &spot_cones, &light_cells, &frame_constants})
     total += buffer->bytes();
   for (const auto& [number, image] : impl_->textures) total += image.bytes();
   return total;

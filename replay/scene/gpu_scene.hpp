@@ -78,6 +78,7 @@ class GpuScene {
   gpu::Buffer materials;        // MaterialRecord
   gpu::Buffer uv_mappings;      // UvMappingRecord, four a material; empty where all textures are read as they lie
   gpu::Buffer spot_cones;       // SpotConeConstants, one for each point light; empty where none has a cone
+  gpu::Buffer light_cells;      // words of LightCells; empty without point lights
   gpu::Buffer frame_constants;  // FrameConstants
   gpu::Image shadow_map;        // 1x1 without shadows
   gpu::Sampler shadow_sampler;

@@ -147,6 +147,7 @@ PixelList record_pixel_list(gpu::PassRecorder& recorder, const FrameSetup& setup
 
 std::vector<gpu::Binding> light_bindings(const FrameSetup& setup) {
   return {gpu::reads(FRAME_SLOT_SPOT_CONES, setup.scene.spot_cones),
+          gpu::reads(FRAME_SLOT_LIGHT_CELLS, setup.scene.light_cells),
           gpu::samples(FRAME_SLOT_SHADOW_MAP, setup.scene.shadow_map, &setup.scene.shadow_sampler)};
 }
 

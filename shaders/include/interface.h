@@ -11,8 +11,8 @@
 // Bindings of set 0; their ranges are those of the layout that all pipelines share (replay/gpu/pipeline.hpp).
 #define UNIFORM_BINDING 0
 #define STORAGE(slot) (1 + slot)
-#define SAMPLED(slot) (12 + slot)
-#define STORAGE_IMAGE(slot) (20 + slot)
+#define SAMPLED(slot) (13 + slot)
+#define STORAGE_IMAGE(slot) (21 + slot)
 #define INPUT_ATTACHMENT(index) (24 + index)
 
 // Constants that a frame gives to all of its passes; a shader may leave them out. Those of one pass or technique start
@@ -33,6 +33,7 @@
 #define FRAME_SLOT_SPOT_CONES 8   // storage
 #define FRAME_SLOT_UV_MAPPINGS 9  // storage
 #define FRAME_SLOT_MATERIALS 10   // storage, of passes over fragments
+#define FRAME_SLOT_LIGHT_CELLS 11 // storage, of passes that light
 #define FRAME_SLOT_SHADOW_MAP 7   // sampled
 #define FRAME_SLOT_VISIBILITY 0   // sampled, of passes after the visibility pass
 

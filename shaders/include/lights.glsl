@@ -1,5 +1,5 @@
 // The radiance a surface sends to the eye: sun with shadow map, point lights, ambient, emission.
-// Reads: frame constants; the shadow map, when the scene has shadows; the cones, when lights have them.
+// Reads: frame constants; the shadow map, when the scene has shadows; of point lights, their cells and cones.
 // Returns linear radiance, finite and not negative for every finite surface; a normal of no length is lit as if it
 // faced the viewer, other values are clamped as brdf.glsl says.
 #ifndef SUBPIXEL_LIGHTS_GLSL
@@ -10,6 +10,7 @@
 
 layout(set = 0, binding = SAMPLED(FRAME_SLOT_SHADOW_MAP)) uniform sampler2D shadow_map;
 layout(set = 0, binding = STORAGE(FRAME_SLOT_SPOT_CONES), std430) readonly buffer SpotCones { SpotConeConstants spot_cones[]; };
+layout(set = 0, binding = STORAGE(FRAME_SLOT_LIGHT_CELLS), std430) readonly buffer LightCells { uint light_cells[]; };
 
 // Below this fraction of its range a point light gets no brighter.
 const float kInnermostFraction = 0.01;
@@ -65,6 +66,19 @@ float sun_visibility(vec3 position, vec3 normal, float normal_light) {
   return covered ? sum * (1.0 / 9.0) : 1.0;
 }
 
+// The first word of the lights that may reach `position` (replay/scene/light_cells.hpp); a word has 32 of them.
+uint light_cell(vec3 position) {
+  LightCellConstants cells = frame.light_cells;
+  vec4 point = vec4(position, 1.0);
+  float depth = max(dot(cells.rows[2], point), 1.17549435e-38);
+  vec2 tile = vec2(dot(cells.rows[0], point), dot(cells.rows[1], point)) / depth;
+  tile = max(min(floor(tile), cells.tiles.xy), vec2(0.0));
+  uint slice = min(uint(max(int(floatBitsToUint(depth) >> LIGHT_SLICE_SHIFT) - int(cells.slices.x), 0)), cells.slices.y);
+  // Drivers convert lane by lane: an integer below 2^23 added to it stands in a float's low bits.
+  uint in_slice = floatBitsToUint(tile.y * cells.tiles.z + tile.x + 8388608.0) & 0x7fffffu;
+  return (slice * cells.slices.w + in_slice) * cells.slices.z;
+}
+
 // Irradiance per intensity of point light i at `position`; `light`: the unit vector towards it.
 float point_light_attenuation(uint i, vec3 position, out vec3 light) {
   vec4 position_range = frame.point_lights[i].position_range;
@@ -101,12 +115,15 @@ vec3 shade(Surface s, vec3 view_direction) {
     radiance += sun;
   }
   if (has_feature(FEATURE_POINT_LIGHTS)) {
-    uint count = min(frame.counts.x, uint(SUBPIXEL_MAX_POINT_LIGHTS));
-    for (uint i = 0u; i < count; ++i) {
-      vec3 light;
-      float attenuation = point_light_attenuation(i, s.position, light);
-      radiance += frame.point_lights[i].intensity.rgb *
-                  (attenuation * reflected(b, light, clamp(dot(s.normal, light), 0.0, 1.0)));
+    uint cell = light_cell(s.position);
+    for (uint word = 0u; word < frame.light_cells.slices.z; ++word) {
+      for (uint near = light_cells[cell + word]; near != 0u; near &= near - 1u) {
+        uint i = word * 32u + uint(findLSB(near));
+        vec3 light;
+        float attenuation = point_light_attenuation(i, s.position, light);
+        radiance += frame.point_lights[i].intensity.rgb *
+                    (attenuation * reflected(b, light, clamp(dot(s.normal, light), 0.0, 1.0)));
+      }
     }
   }
   // min and max return the other operand for a NaN, so what an infinite position could make ends here.

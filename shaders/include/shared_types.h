@@ -16,14 +16,15 @@ using glm::vec4;
 // Shadow maps of growing reach around the eye, in the quadrants of one image: 0 1 over 2 3.
 #define SUBPIXEL_SHADOW_CASCADES 4
 
-// What a scene needs, as bits of the specialization constant FEATURES and of SceneFeatures. A clear bit removes the code.
-#define FEATURE_BASE_TEXTURE 1u       // some material has a base colour texture
-#define FEATURE_ALPHA_TEST 2u         // some material discards by alpha
+// What a scene needs, as bits of the specialization constant FEATURES and of SceneFeatures. A clear bit removes the
+// code.
+#define FEATURE_BASE_TEXTURE 1u  // some material has a base colour texture
+#define FEATURE_ALPHA_TEST 2u    // some material discards by alpha
 #define FEATURE_NORMAL_MAP 4u
 #define FEATURE_ROUGHNESS_TEXTURE 8u  // metallic-roughness texture
 #define FEATURE_EMISSIVE 16u          // some material emits
 #define FEATURE_EMISSIVE_TEXTURE 32u
-#define FEATURE_METAL 64u             // some material's metallic factor is not 0
+#define FEATURE_METAL 64u  // some material's metallic factor is not 0
 #define FEATURE_TWO_SIDED 128u
 #define FEATURE_SUN 256u
 #define FEATURE_SHADOWS 512u
@@ -49,6 +50,15 @@ struct SpotConeConstants {
   vec4 plane;
 };
 
+// Cells of the view's volume, for which lights are told that may reach them (replay/scene/light_cells.hpp).
+#define LIGHT_SLICE_SHIFT 21
+struct LightCellConstants {
+  vec4 rows[3];  // of a matrix from the world to column, row (both times the depth, a tile wide and high) and depth
+  vec4 tiles;    // the last column and row; columns; unused
+  uvec4 slices;  // key of the first one: bits of a depth above LIGHT_SLICE_SHIFT; the last one's number; words of a
+                 // cell; tiles
+};
+
 // The uniform buffer of every pass.
 struct FrameConstants {
   mat4 view_projection;          // world to clip: Vulkan conventions, reversed depth
@@ -60,11 +70,13 @@ struct FrameConstants {
   vec4 sun_irradiance;
   vec4 ambient;
   vec4 sky;
-  vec4 viewport;                 // width, height, 1/width, 1/height in pixels
-  vec4 tone;                     // exposure; roughness of all surfaces where it does not vary; unused
-  uvec4 counts;                  // point lights, materials, instances, unused
-  uvec4 band;                    // rows of pixels that passes draw: the first, how many; unused
-  vec4 shadow_cascades[SUBPIXEL_SHADOW_CASCADES];  // x scale and yz offset to [0, 1] of the cascade, w texel in world units
+  vec4 viewport;                                   // width, height, 1/width, 1/height in pixels
+  vec4 tone;                                       // exposure; roughness of all surfaces where it does not vary; unused
+  uvec4 counts;                                    // point lights, materials, instances, unused
+  uvec4 band;                                      // rows of pixels that passes draw: the first, how many; unused
+  vec4 shadow_cascades[SUBPIXEL_SHADOW_CASCADES];  // x scale and yz offset to [0, 1] of the cascade, w texel in world
+                                                   // units
+  LightCellConstants light_cells;
   PointLightConstants point_lights[SUBPIXEL_MAX_POINT_LIGHTS];
 };
 
@@ -98,7 +110,9 @@ struct UvMappingRecord {
 
 #ifdef __cplusplus
 static_assert(sizeof(PointLightConstants) == 32);
-static_assert(sizeof(FrameConstants) == 4 * 64 + 9 * 16 + SUBPIXEL_SHADOW_CASCADES * 16 + SUBPIXEL_MAX_POINT_LIGHTS * 32);
+static_assert(sizeof(LightCellConstants) == 80);
+static_assert(sizeof(FrameConstants) ==
+              4 * 64 + 9 * 16 + 80 + SUBPIXEL_SHADOW_CASCADES * 16 + SUBPIXEL_MAX_POINT_LIGHTS * 32);
 static_assert(sizeof(InstanceRecord) == 96);
 static_assert(sizeof(MaterialRecord) == 64);
 static_assert(sizeof(UvMappingRecord) == 32);

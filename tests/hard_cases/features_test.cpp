@@ -28,15 +28,15 @@ TEST(Features, APlainSceneAllocatesNothingItDoesNotNeed) {
   EXPECT_EQ(plain.scene.features().bits, FEATURE_SUN);
   EXPECT_EQ(plain.scene.uvs.bytes(), kEmptyBuffer);
   EXPECT_EQ(plain.scene.tangents.bytes(), kEmptyBuffer);
-  for (const gpu::Buffer* buffer :
-       {&plain.scene.second_uvs, &plain.scene.colours, &plain.scene.uv_mappings, &plain.scene.spot_cones})
+  for (const gpu::Buffer* buffer : {&plain.scene.second_uvs, &plain.scene.colours, &plain.scene.uv_mappings,
+                                    &plain.scene.spot_cones, &plain.scene.light_cells})
     EXPECT_EQ(buffer->bytes(), kEmptyBuffer) << buffer->name();
   EXPECT_EQ(plain.scene.shadow_map.description().width, 1u);
   // The whole ledger: geometry, one material, and two images of a texel.
   const std::uint64_t needed = plain.scene.positions.bytes() + plain.scene.normals.bytes() +
                                plain.scene.indices.bytes() + plain.scene.instances.bytes() +
                                plain.scene.materials.bytes() + plain.scene.frame_constants.bytes() +
-                               plain.scene.shadow_map.bytes() + 6 * kEmptyBuffer;
+                               plain.scene.shadow_map.bytes() + 7 * kEmptyBuffer;
   EXPECT_LE(plain.scene.bytes() - needed, 4096u) << "the white texel's image and nothing else";
 
   FrameScene general(test_device(), plain_scene(), {.forced_features = kAllFeatures});

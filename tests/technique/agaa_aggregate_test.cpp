@@ -66,6 +66,7 @@ std::vector<AgaaTestResult> run_on_device(const Sets& sets, std::uint32_t option
                    gpu::reads(AGAA_TEST_SLOT_VIEWS, views),
                    gpu::writes(AGAA_TEST_SLOT_RESULTS, out),
                    gpu::reads(FRAME_SLOT_SPOT_CONES, scene.spot_cones),
+                   gpu::reads(FRAME_SLOT_LIGHT_CELLS, scene.light_cells),
                    gpu::samples(FRAME_SLOT_SHADOW_MAP, scene.shadow_map, &scene.shadow_sampler)};
   const gpu_types::AgaaTestPush push{static_cast<std::uint32_t>(sets.views.size()), largest_emission};
   pass.push = gpu::PushConstants(push);

@@ -54,8 +54,11 @@ std::vector<glm::vec4> shade_on_device(const capture::Capture& capture, const st
   pass.shader = "tests/shade_probe.comp";
   pass.constants = {{CONSTANT_FEATURES, scene.features().bits},
                     {CONSTANT_SHADING_MODEL, static_cast<std::uint32_t>(model)}};
-  pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(TEST_SLOT_PROBES, in),
-                   gpu::writes(TEST_SLOT_RADIANCES, out), gpu::reads(FRAME_SLOT_SPOT_CONES, scene.spot_cones),
+  pass.bindings = {gpu::uniform(scene.frame_constants),
+                   gpu::reads(TEST_SLOT_PROBES, in),
+                   gpu::writes(TEST_SLOT_RADIANCES, out),
+                   gpu::reads(FRAME_SLOT_SPOT_CONES, scene.spot_cones),
+                   gpu::reads(FRAME_SLOT_LIGHT_CELLS, scene.light_cells),
                    gpu::samples(FRAME_SLOT_SHADOW_MAP, scene.shadow_map, &scene.shadow_sampler)};
   const auto count = static_cast<std::uint32_t>(probes.size());
   pass.push = gpu::PushConstants(gpu_types::ProbeTestPush{count});

@@ -282,13 +282,17 @@ vec3 shade_aggregate(Aggregate a, Footprint f, vec3 view) {
     radiance += sun;
   }
   if (has_feature(FEATURE_POINT_LIGHTS)) {
-    uint count = min(frame.counts.x, uint(SUBPIXEL_MAX_POINT_LIGHTS));
-    for (uint i = 0u; i < count; ++i) {
-      vec3 light;
-      float attenuation = point_light_attenuation(i, f.mean, light);
-      Lobe seen = lobe;
-      if (agaa_option(AGAA_LIGHT_VARIANCE)) seen = lobe_of_light(lobe, f, i, light);
-      radiance += frame.point_lights[i].intensity.rgb * (attenuation * lobe_reflected(seen, light, all));
+    // Attenuated at the mean of the positions, so that the lights that may reach it are all.
+    uint cell = light_cell(f.mean);
+    for (uint word = 0u; word < frame.light_cells.slices.z; ++word) {
+      for (uint near = light_cells[cell + word]; near != 0u; near &= near - 1u) {
+        uint i = word * 32u + uint(findLSB(near));
+        vec3 light;
+        float attenuation = point_light_attenuation(i, f.mean, light);
+        Lobe seen = lobe;
+        if (agaa_option(AGAA_LIGHT_VARIANCE)) seen = lobe_of_light(lobe, f, i, light);
+        radiance += frame.point_lights[i].intensity.rgb * (attenuation * lobe_reflected(seen, light, all));
+      }
     }
   }
   return max(min(radiance, vec3(kRadianceCeiling)), vec3(0.0));
