@@ -59,6 +59,11 @@ class JsonField {
     return json_->get<double>();
   }
 
+  bool truth() const {
+    if (!json_->is_boolean()) fail("expected true or false");
+    return json_->get<bool>();
+  }
+
   // null reads as NaN: JSON has no NaN.
   double number_or_nan() const { return json_->is_null() ? std::numeric_limits<double>::quiet_NaN() : number(); }
 

@@ -39,6 +39,7 @@ struct ReplayFlags {
   bool validate = false;
   std::uint32_t samples = 8, repeat = 3, reference_samples = 512;
   std::optional<std::uint32_t> point_lights;
+  bool every_light = false;
   std::string memory;
   std::shared_ptr<EngineFlags> engine;
 };
@@ -104,6 +105,7 @@ void replay_and_write(const ReplayFlags& flags, const ReplayInspection& inspecti
   job.options.repeat = flags.repeat;
   job.options.reference_samples = flags.reference_samples;
   job.options.point_lights = flags.point_lights;
+  job.options.every_light = flags.every_light;
   if (!flags.memory.empty()) job.options.memory_mib = replay::parse_memory(flags.memory, "--memory");
 
   Results results;
@@ -271,6 +273,10 @@ void add_replay_verbs(CLI::App& app, std::function<int()>& action) {
       ->capture_default_str();
   run->add_option("--lights", flags->point_lights, "Point lights: this many; as recorded when absent")
       ->transform(within(kPointLightsLimit));
+  run->add_flag(
+      "--every-light", flags->every_light,
+      "Every shading point evaluates all point lights, not only those whose range may hold it: the same bits, "
+      "and times as of renderers that do so");
   run->add_option("--memory", flags->memory,
                   "What a frame's passes may hold at a time, as 512M or 2G: beyond it the frame is drawn in bands, the "
                   "same bits; no limit when absent");

@@ -237,6 +237,7 @@ void add_submit(CLI::App& app, std::function<int()>& action) {
       ->transform(within(replay::kReferenceSamplesLimit));
   verb->add_option("--lights", submission->point_lights, "Point lights: this many; as recorded when absent")
       ->transform(within(replay::kPointLightsLimit));
+  verb->add_flag("--every-light", submission->every_light, "Evaluate all point lights at every shading point");
   verb->add_option("--memory", submission->memory,
                    "What a frame's passes may hold at a time, as 512M or 2G; no limit when absent");
   verb->add_option("--priority", submission->priority, "Of the run, 0 to 9, the highest is next; default: 5")

@@ -39,6 +39,7 @@ json run_request(const Submission& submission) {
   if (submission.repeat) body["repeat"] = *submission.repeat;
   if (submission.reference_samples) body["reference_samples"] = *submission.reference_samples;
   if (submission.point_lights) body["point_lights"] = *submission.point_lights;
+  if (submission.every_light) body["every_light"] = true;
   if (!submission.memory.empty()) body["memory_mib"] = replay::parse_memory(submission.memory, "--memory");
   if (submission.priority) body["priority"] = *submission.priority;
   if (submission.retries) body["retries"] = *submission.retries;

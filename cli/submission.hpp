@@ -13,6 +13,7 @@ struct Submission {
   std::string techniques;  // of the command line's form; empty: only send the capture
   std::string frames, size, memory;
   std::optional<std::uint32_t> samples, repeat, reference_samples, point_lights, priority, retries;
+  bool every_light = false;
   bool wait = false;
   bool once = false;  // an equal run of the service that has not failed or been cancelled will do
 };

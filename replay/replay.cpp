@@ -187,6 +187,7 @@ void Replay::make_head() {
   head_.height = height_;
   head_.repeat = options_.repeat;
   head_.reference_samples = options_.reference_samples;
+  head_.every_light = options_.every_light;
   head_.memory_mib = options_.memory_mib;
 }
 
@@ -211,8 +212,10 @@ Results Replay::run() {
   progress("load", 0, 1, capture_.metadata.title);
   gpu::require_ordered_access(device_);
   require_room_for_references();
-  scene_ = std::make_unique<FrameScene>(device_, std::move(capture_), SceneOptions{options_.point_lights, 2048},
-                                        FrameChoice{first, width_, height_});
+  scene_ = std::make_unique<FrameScene>(
+      device_, std::move(capture_),
+      SceneOptions{.point_lights = options_.point_lights, .every_light = options_.every_light},
+      FrameChoice{first, width_, height_});
   head_.features = scene_->scene.features().names();
   head_.triangles_first_frame = scene_->scene.triangle_count();
   head_.point_lights = scene_->scene.constants().counts.x;

@@ -65,7 +65,7 @@ RunRequest parse_run_request(std::string_view body) {
   const JsonField top(document, std::string(kWhat));
   check_names(top,
               {"capture", "techniques", "samples", "frames", "width", "height", "repeat", "reference_samples",
-               "point_lights", "memory_mib", "priority", "retries"},
+               "point_lights", "every_light", "memory_mib", "priority", "retries"},
               std::string(kWhat), "top level");
   RunRequest request;
   request.capture = top.member("capture").text();
@@ -82,6 +82,7 @@ RunRequest parse_run_request(std::string_view body) {
   if (top.has("point_lights") && !top.member("point_lights").raw().is_null()) {
     options.point_lights = limited(top, replay::kPointLightsLimit, 0);
   }
+  if (top.has("every_light")) options.every_light = top.member("every_light").truth();
   options.memory_mib = limited(top, replay::kMemoryLimit, 0);
   if (top.has("frames") && !top.member("frames").raw().is_null()) {
     const JsonField frames = top.member("frames");

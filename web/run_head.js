@@ -13,7 +13,7 @@ export function factsOf({head, request, started_utc: started}) {
     ['reference', request.reference_samples > 0 ? `${request.reference_samples} samples` : 'none'],
     ['repeats', request.repeat],
     head && ['driver', `${head.driver} ${head.driver_version}`], head && ['device', head.device], head && ['CPU', head.cpu_model],
-    head && ['triangles, first frame', count(head.triangles_first_frame)], head && ['point lights', head.point_lights],
+    head && ['triangles, first frame', count(head.triangles_first_frame)], head && ['point lights', `${head.point_lights}${head.every_light ? ', every one evaluated' : ''}`],
     head?.memory_mib > 0 && ['memory', `at most ${head.memory_mib} MiB${head.bands > 0 ? `: frames in up to ${count(head.bands)} bands, ${bytes(head.peak_bytes)} held` : ''}`],
     head && ['scene needs', head.features.join(', ') || 'nothing special'],
     head?.wall_s > 0 && ['wall time', `${duration(head.wall_s)}, ${fixed((100 * head.outside_gpu_s) / head.wall_s, 0)} % outside of passes`],

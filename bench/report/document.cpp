@@ -64,18 +64,22 @@ std::string head(const Measured& measured, const std::string& command, const std
       several ? " processor |" : "", several ? " --- |" : "");
   for (const Run& run : measured.runs) {
     const replay::ResultsHead& of = run.results.head;
-    text +=
-        fmt::format("| [{} {}x{}{}]({}/{}.json) | {} | {} | {} | {} | {} | {} |", run.plan.scene, of.width, of.height,
-                    run.plan.frames > 1 ? fmt::format(", {} frames", run.plan.frames) : "", kMeasuredFolder,
-                    run.plan.name(), of.triangles_first_frame, of.point_lights, run.plan.techniques.size(),
-                    of.reference_samples == 0 ? "none" : fmt::format("{} samples", of.reference_samples), of.repeat,
-                    of.date_utc.substr(0, 16));
+    text += fmt::format("| [{} {}x{}{}]({}/{}.json) | {} | {} | {} | {} | {} | {} |", run.plan.scene, of.width,
+                        of.height, run.plan.frames > 1 ? fmt::format(", {} frames", run.plan.frames) : "",
+                        kMeasuredFolder, run.plan.name(), of.triangles_first_frame,
+                        fmt::format("{}{}", of.point_lights, run.plan.every_light ? ", every one" : ""),
+                        run.plan.techniques.size(),
+                        of.reference_samples == 0 ? "none" : fmt::format("{} samples", of.reference_samples), of.repeat,
+                        of.date_utc.substr(0, 16));
     text += several ? fmt::format(" {} |\n", of.cpu_model) : "\n";
   }
   return text +
          "\nOne frame of each scene, but for flicker. Times are warm medians of a software rasteriser: read them as "
          "ratios to `msaa` 8x "
          "of the same run.\n"
+         "Where it says \"every one\", shading points evaluate all lights (`--every-light`), as the publications timed "
+         "there do or may do; elsewhere\n"
+         "those of their cell of the view, for every technique alike, which leaves the same bits.\n"
          "A ratio has a spread, by half of that of the repeats of either; where a claim's limit lies within it, the "
          "claim is left\n"
          "undecided there. MSE and FLIP are of display values against the reference. `S` are surfaces, `c` aggregates, "

@@ -182,6 +182,7 @@ std::vector<RunPlan> make_plan(const PlanOptions& options) {
       const std::uint32_t lights = scene == "fur" ? 0 : 16;
       add(sized({.kind = RunKind::lights,
                  .point_lights = lights,
+                 .every_light = true,
                  .repeat = 3,
                  .techniques = settings(kAggregateTimes, false)},
                 1280, 720),
@@ -192,6 +193,7 @@ std::vector<RunPlan> make_plan(const PlanOptions& options) {
         if (scene == "foliage" && lights != 5) continue;
         add(sized({.kind = RunKind::lights,
                    .point_lights = lights,
+                   .every_light = true,
                    .repeat = 3,
                    .techniques = settings(kListTimes, false)},
                   1920, 1080),

@@ -28,6 +28,7 @@ struct RunPlan {
   std::string scene;  // of `subpixel generate --list`, or "park"; "grass@0.5": of that density
   std::uint32_t width = 0, height = 0;
   std::optional<std::uint32_t> point_lights;  // absent: as recorded
+  bool every_light = false;                   // ReplayOptions; of kind lights, as publications light by all
   std::uint32_t reference_samples = 0, repeat = 0;
   std::vector<replay::TechniqueRequest> techniques;  // every parameter filled in
   std::uint32_t frames = 1;

@@ -124,6 +124,7 @@ void replay_run(const RunPlan& run, const fs::path& capture, const MeasureOption
   job.options.repeat = run.repeat;
   job.options.reference_samples = run.reference_samples;
   job.options.point_lights = run.point_lights;
+  job.options.every_light = run.every_light;
   std::size_t done = 0;
   replay::ReplayEvents events;
   events.result = [&](std::uint32_t, const replay::FrameResult& result) {
@@ -147,6 +148,8 @@ bool answers(const replay::Results& results, const RunPlan& plan) {
   const replay::ResultsHead& head = results.head;
   if (head.width != plan.width || head.height != plan.height || head.repeat != plan.repeat ||
       head.reference_samples != plan.reference_samples ||
+      // Only times depend on it.
+      (is_timed(plan) && head.every_light != plan.every_light) ||
       results.results.size() != plan.techniques.size() * plan.frames)
     return false;
   if (plan.point_lights && head.point_lights != *plan.point_lights) return false;

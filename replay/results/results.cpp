@@ -168,6 +168,8 @@ ResultsHead head_from_field(const JsonField& field) {
   head.repeat = field.member("repeat").u32();
   head.reference_samples = field.member("reference_samples").u32();
   head.point_lights = field.member("point_lights").u32();
+  // Before there was a choice, every light was evaluated.
+  head.every_light = !field.has("every_light") || field.member("every_light").truth();
   head.triangles_first_frame = field.member("triangles_first_frame").u64();
   head.memory_mib = field.has("memory_mib") ? field.member("memory_mib").u32() : 0;
   head.bands = field.has("bands") ? field.member("bands").u32() : 0;
@@ -232,6 +234,7 @@ json to_json(const ResultsHead& head) {
           {"repeat", head.repeat},
           {"reference_samples", head.reference_samples},
           {"point_lights", head.point_lights},
+          {"every_light", head.every_light},
           {"triangles_first_frame", head.triangles_first_frame},
           {"memory_mib", head.memory_mib},
           {"bands", head.bands},

@@ -83,6 +83,7 @@ struct ResultsHead {
   std::string driver, driver_version, device, cpu_model;
   std::string build, date_utc;
   std::uint32_t width = 0, height = 0, repeat = 0, reference_samples = 0, point_lights = 0;
+  bool every_light = false;  // ReplayOptions
   std::uint64_t triangles_first_frame = 0;
   // The budget of what passes hold, 0: none; after the last result the most bands that a frame was drawn in, and the
   // most that was held.

@@ -30,6 +30,7 @@ json options_to_json(const ReplayOptions& options) {
   if (options.references_only) out["references_only"] = true;
   if (options.frames) out["frames"] = json::array({options.frames->first, options.frames->second});
   if (options.point_lights) out["point_lights"] = *options.point_lights;
+  if (options.every_light) out["every_light"] = true;
   if (options.memory_mib > 0) out["memory_mib"] = options.memory_mib;
   if (options.rounds > 0) out["rounds"] = options.rounds;
   return out;
@@ -66,6 +67,7 @@ ReplayOptions options_from_field(const JsonField& field) {
   if (field.has("point_lights") && !field.member("point_lights").raw().is_null()) {
     options.point_lights = field.member("point_lights").u32();
   }
+  if (field.has("every_light")) options.every_light = field.member("every_light").truth();
   if (field.has("memory_mib")) options.memory_mib = field.member("memory_mib").u32();
   if (field.has("rounds")) {
     options.rounds = field.member("rounds").u32();
@@ -75,11 +77,7 @@ ReplayOptions options_from_field(const JsonField& field) {
     const JsonField skip = field.member("skip");
     for (std::size_t i = 0; i < skip.array_size(); ++i) options.skip.push_back(pair_from(skip.element(i)));
   }
-  if (field.has("references_only")) {
-    const JsonField only = field.member("references_only");
-    if (!only.raw().is_boolean()) only.fail("expected true or false");
-    options.references_only = only.raw().get<bool>();
-  }
+  if (field.has("references_only")) options.references_only = field.member("references_only").truth();
   return options;
 }
 

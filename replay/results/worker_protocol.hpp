@@ -30,6 +30,8 @@ struct ReplayOptions {
   std::uint32_t repeat = 3;
   std::uint32_t reference_samples = 512;      // 0: no reference, no error
   std::optional<std::uint32_t> point_lights;  // use this many (extra ones are placed in the scene); absent: as recorded
+  // Every shading point evaluates all of them, also those out of whose range it lies: the same bits, later.
+  bool every_light = false;
   // That a frame's passes may hold at a time; a frame that needs more is drawn in bands, the same bits. 0: no limit.
   std::uint32_t memory_mib = 0;
   // Times without images, maps, shading counts or errors: every technique of a frame in turn, and all of them again,

@@ -316,7 +316,8 @@ void GpuScene::set_frame(std::uint32_t index, std::uint32_t width, std::uint32_t
   if (features_.has(FEATURE_SPOT_LIGHTS))
     std::ranges::copy(cone_constants(captured_lights), spot_cones.as<gpu_types::SpotConeConstants>().begin());
   if (features_.has(FEATURE_POINT_LIGHTS)) {
-    const LightCells cells = replay::light_cells(lights, value.view_projection);
+    const LightCells cells =
+        impl_->options.every_light ? one_light_cell(lights.size()) : replay::light_cells(lights, value.view_projection);
     value.light_cells = cells.constants;
     std::ranges::copy(cells.lights, light_cells.as<std::uint32_t>().begin());
   }

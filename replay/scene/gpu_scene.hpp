@@ -31,6 +31,7 @@ struct DrawItem {
 
 struct SceneOptions {
   std::optional<std::uint32_t> point_lights;  // exactly this many; missing ones are placed inside the scene's bounds
+  bool every_light = false;                   // points evaluate all lights, not those of their cell alone
   std::uint32_t shadow_map_size = 2048;
   // FEATURE_ bits that shaders and layouts have whether or not the scene needs them; kAllFeatures: the general case
   // that the specialised ones are compared with.

@@ -74,12 +74,20 @@ Range slices_over(const gpu_types::LightCellConstants& cells, const Interval& de
   return {slice(depth.low), slice(depth.high)};
 }
 
+std::uint32_t words_of(std::size_t lights) {
+  return static_cast<std::uint32_t>((lights + kBitsOfWord - 1) / kBitsOfWord);
+}
+
+void add_light(LightCells& cells, std::size_t cell, std::size_t light) {
+  cells.lights[cell * cells.constants.slices.z + light / kBitsOfWord] |= 1u << light % kBitsOfWord;
+}
+
 }  // namespace
 
 LightCells light_cells(std::span<const gpu_types::PointLightConstants> lights, const glm::mat4& world_to_clip) {
   LightCells result;
   gpu_types::LightCellConstants& cells = result.constants;
-  const auto words = static_cast<std::uint32_t>((lights.size() + kBitsOfWord - 1) / kBitsOfWord);
+  const std::uint32_t words = words_of(lights.size());
   const std::uint32_t divide = words > kMostWordsOfSmallTiles ? 2 : 1;
   const std::uint32_t columns = kColumns / divide, rows = kRows / divide;
   const glm::mat4 by_row = glm::transpose(world_to_clip);
@@ -113,10 +121,18 @@ LightCells light_cells(std::span<const gpu_types::PointLightConstants> lights, c
       const bool all = slice == 0;
       for (std::uint32_t row = all ? 0 : y.first; row <= (all ? rows - 1 : y.last); ++row)
         for (std::uint32_t column = all ? 0 : x.first; column <= (all ? columns - 1 : x.last); ++column)
-          result.lights[(std::size_t{slice * rows + row} * columns + column) * words + i / kBitsOfWord] |=
-              1u << i % kBitsOfWord;
+          add_light(result, std::size_t{slice * rows + row} * columns + column, i);
     }
   }
+  return result;
+}
+
+LightCells one_light_cell(std::size_t lights) {
+  LightCells result;
+  result.constants.slices = {0, 0, words_of(lights), 1};
+  result.constants.tiles = {0, 0, 1, 0};
+  result.lights.assign(std::max(words_of(lights), 1u), 0);
+  for (std::size_t i = 0; i < lights; ++i) add_light(result, 0, i);
   return result;
 }
 

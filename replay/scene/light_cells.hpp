@@ -26,4 +26,7 @@ inline constexpr std::size_t kMostLightWords = std::size_t{1} << 17;
 // point with finite coordinates finds all lights that reach it. One cell without lights where there are none.
 LightCells light_cells(std::span<const gpu_types::PointLightConstants> lights, const glm::mat4& world_to_clip);
 
+// One cell for all points, with all lights.
+LightCells one_light_cell(std::size_t lights);
+
 }  // namespace subpixel::replay

@@ -222,9 +222,7 @@ json against_summary(const json& difference, const std::string& yesterday, const
       {"textures", {{"changed", 0}}},
       {"list", json::array()}};
   const JsonField top(difference, "difference of two captures");
-  const JsonField same = top.member("same");
-  if (!same.raw().is_boolean()) same.fail("expected true or false");
-  summary["same"] = same.raw();
+  summary["same"] = top.member("same").truth();
   const JsonField frames = top.member("frames");
   summary["frames"] = frames.array_size();
   json& draws = summary["draws"];

@@ -56,10 +56,7 @@ double share(const JsonField& object, std::string_view name, double absent) {
 }
 
 bool flag(const JsonField& object, std::string_view name, bool absent) {
-  if (!object.has(name)) return absent;
-  const JsonField field = object.member(name);
-  if (!field.raw().is_boolean()) field.fail("expected true or false");
-  return field.raw().get<bool>();
+  return object.has(name) ? object.member(name).truth() : absent;
 }
 
 Settings read_settings(const JsonField& object, const std::string& path, Settings settings) {
@@ -68,6 +65,7 @@ Settings read_settings(const JsonField& object, const std::string& path, Setting
   options.repeat = limited(object, replay::kRepeatLimit, options.repeat);
   options.reference_samples = limited(object, replay::kReferenceSamplesLimit, options.reference_samples);
   if (object.has("point_lights")) options.point_lights = limited(object, replay::kPointLightsLimit, 0);
+  options.every_light = flag(object, "every_light", options.every_light);
   options.memory_mib = limited(object, replay::kMemoryLimit, options.memory_mib);
   if (object.has("size")) {
     const JsonField size = object.member("size");
@@ -132,7 +130,7 @@ CaptureSource read_capture(const JsonField& entry, std::size_t index, const Sett
   const std::string path = fmt::format("captures[{}].", index);
   check_names(entry,
               {"name", "path", "scene", "seed", "density", "tag", "against", "techniques", "also", "samples", "size",
-               "frames", "repeat", "reference_samples", "point_lights", "memory_mib"},
+               "frames", "repeat", "reference_samples", "point_lights", "every_light", "memory_mib"},
               kWhat, path.substr(0, path.size() - 1));
   const int kinds = (entry.has("path") ? 1 : 0) + (entry.has("scene") ? 1 : 0) + (entry.has("tag") ? 1 : 0);
   if (kinds != 1) entry.fail("expected one of path, scene and tag");
@@ -359,10 +357,11 @@ NightlyConfig parse_nightly_config(std::string_view text, const std::filesystem:
   config.folder = folder;
   config.document = parse_json_document(text, kWhat, "the file");
   const JsonField top(config.document, kWhat);
-  check_names(top,
-              {"name", "data", "baseline", "captures", "techniques", "samples", "size", "frames", "repeat",
-               "reference_samples", "point_lights", "memory_mib", "gates", "keep", "watch", "tags", "notify"},
-              kWhat, "top level");
+  check_names(
+      top,
+      {"name", "data", "baseline", "captures", "techniques", "samples", "size", "frames", "repeat", "reference_samples",
+       "point_lights", "every_light", "memory_mib", "gates", "keep", "watch", "tags", "notify"},
+      kWhat, "top level");
   config.name = name_from(top.member("name"));
   config.baseline = top.has("baseline") ? name_from(top.member("baseline")) : config.name;
   if (top.has("data")) config.data = folder / top.member("data").text();

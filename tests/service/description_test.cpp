@@ -215,11 +215,11 @@ TEST_F(Description, HoldsForEveryOperationStatusAndMember) {
     ask("get", "/api/captures/" + at);
   }
 
-  const json wanted = {{"capture", hash},  {"techniques", {{{"technique", "noaa"}}, "msaa:samples=4|8"}},
-                       {"width", 32},      {"height", 18},
-                       {"frames", {0, 1}}, {"samples", 8},
-                       {"repeat", 1},      {"reference_samples", 64},
-                       {"point_lights", 2}};
+  const json wanted = {{"capture", hash},   {"techniques", {{{"technique", "noaa"}}, "msaa:samples=4|8"}},
+                       {"width", 32},       {"height", 18},
+                       {"frames", {0, 1}},  {"samples", 8},
+                       {"repeat", 1},       {"reference_samples", 64},
+                       {"point_lights", 2}, {"every_light", true}};
   EXPECT_EQ(Schemas(description_).problem(wanted, {{"$ref", "#/components/schemas/RunRequest"}}), "");
   const std::int64_t run = json::parse(ask("post", "/api/runs", wanted.dump()).body).at("id");
   client().wait_for_end(run);

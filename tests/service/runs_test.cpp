@@ -139,6 +139,7 @@ TEST_F(Runs, RequestsOutOfRangeAreNamedByField) {
   refused({{"reference_samples", 4100}}, "0 or a multiple of 4 from 4 to 4096");
   refused({{"reference_samples", 6}}, "6 is not 0 or a multiple of 4");
   refused({{"point_lights", 100'000}}, "point_lights");
+  refused({{"every_light", 1}}, "every_light");
   refused({{"frames", {0, 3}}}, "<= 2");
   refused({{"frames", {2, 1}}}, "frames");
   refused({{"frames", {0}}}, "frames");

@@ -155,6 +155,14 @@ TEST(LightCells, LeaveOutMostLightsOfOtherPlaces) {
   EXPECT_LT(found / kPoints, 0.05 * 256);
 }
 
+TEST(LightCells, OneCellHasAllLightsWhereverAPointLies) {
+  const LightCells cells = one_light_cell(70);
+  EXPECT_EQ(cells.lights, (std::vector<std::uint32_t>{0xffffffffu, 0xffffffffu, 0x3fu}));
+  for (const float place : {-1e20f, -1.0f, 0.0f, 3.0f, 1e20f})
+    EXPECT_EQ(first_word(cells.constants, {place, -place, place}), 0u);
+  EXPECT_EQ(one_light_cell(0).constants.slices.z, 0u);
+}
+
 TEST(LightCells, WithoutLightsThereIsNothingToRead) {
   const LightCells cells = light_cells({}, matrix_of(cameras()[0]));
   EXPECT_EQ(cells.constants.slices.z, 0u);

@@ -323,6 +323,13 @@ TEST(ReportPlan, StoredRunsMustAnswerWhatIsAskedNow) {
   other = results;
   other.results.pop_back();
   EXPECT_FALSE(answers(other, plan));
+  // By how many lights points evaluate times differ, and nothing else.
+  other = results;
+  other.head.every_light = true;
+  EXPECT_FALSE(answers(other, plan));
+  RunPlan once = plan;
+  once.repeat = other.head.repeat = 1;
+  EXPECT_TRUE(answers(other, once));
 }
 
 TEST(ReportDocument, AReasonStandsOnlyWhereAClaimFails) {

@@ -66,10 +66,19 @@ TEST(Results, JsonFormComesBackUnchanged) {
   const nlohmann::json document = to_json(results);
   const Results back = results_from_json(nlohmann::json::parse(document.dump()));
   EXPECT_EQ(to_json(back), document);
+  EXPECT_FALSE(back.head.every_light);
   EXPECT_EQ(back.results[1].ms.passes[0].name, "visibility");
   EXPECT_EQ(back.results[1].memory.allocated_bytes, 5'000'000'000U);
   EXPECT_TRUE(std::isnan(back.results[0].error.mse));
   EXPECT_DOUBLE_EQ(back.results[1].error.mse, 1e-3);
+}
+
+TEST(Results, BeforeThereWereCellsEveryLightWasEvaluated) {
+  nlohmann::json document = to_json(example_results());
+  document["head"].erase("every_light");
+  EXPECT_TRUE(results_from_json(document).head.every_light);
+  document["head"]["every_light"] = "no";
+  EXPECT_THROW(results_from_json(document), InputError);
 }
 
 TEST(Results, LayoutIsTheContract) {
@@ -202,18 +211,22 @@ TEST(WorkerJob, JsonFormComesBackUnchanged) {
   job.options.width = 320;
   job.options.height = 180;
   job.options.point_lights = 16;
+  job.options.every_light = true;
   job.options.skip = {{2, 0}, {2, 1}};
   const nlohmann::json document = to_json(job);
   const ReplayJob back = replay_job_from_json(nlohmann::json::parse(document.dump()));
   EXPECT_EQ(to_json(back), document);
   EXPECT_EQ(back.options.frames->second, 7U);
+  EXPECT_TRUE(back.options.every_light);
   EXPECT_EQ(back.options.skip[1].second, 1U);
 
   job.options.frames.reset();
   job.options.point_lights.reset();
+  job.options.every_light = false;
   const ReplayJob all_frames = replay_job_from_json(to_json(job));
   EXPECT_FALSE(all_frames.options.frames.has_value());
   EXPECT_FALSE(all_frames.options.point_lights.has_value());
+  EXPECT_FALSE(all_frames.options.every_light);
 }
 
 TEST(WorkerJob, RefusalsNameTheField) {
