@@ -71,8 +71,9 @@ TEST_F(Validation, EveryTechniqueAndTheReference) {
     gpu::require_ordered_access(device);
     expect_silence("litmus");
     const capture::Capture inputs = two_frames(rich_scene(UvSource::mixed));
-    FrameScene plain(device, capture, {std::nullopt, 256, 0}, {0, kWidth, kHeight}),
-        rich(device, inputs, {4, 256, kAllFeatures}, {0, kWidth, kHeight});
+    FrameScene plain(device, capture, {.shadow_map_size = 256}, {0, kWidth, kHeight}),
+        rich(device, inputs, {.point_lights = 4, .shadow_map_size = 256, .forced_features = kAllFeatures},
+             {0, kWidth, kHeight});
     std::uint32_t frame = 0;
     expect_silence("scene");
     for (const Technique* technique : techniques()) {
