@@ -28,8 +28,6 @@ Counted make_counted(gpu::PassRecorder& recorder, const FrontendFrame& frame) {
 void record_collection(gpu::PassRecorder& recorder, const FrontendFrame& frame, const FragmentLists& lists,
                        const std::string& name, ListedMasks masks, const std::string& variant) {
   Frontend& frontend = frame.frontend;
-  const std::uint32_t groups = groups_of(frontend.small_count(true));
-  const std::uint32_t runs = device_runs();
   gpu::ComputePass small;
   small.name = name;
   small.shader = "frontend/collect.comp:" + variant;
@@ -39,12 +37,10 @@ void record_collection(gpu::PassRecorder& recorder, const FrontendFrame& frame, 
   const gpu_types::CollectPush push{.lists = lists.writes(small),
                                     .records = small.reads(frontend.records()),
                                     .count = static_cast<std::uint32_t>(frontend.small_count(true)),
-                                    .groups = groups,
-                                    .runs = runs,
                                     .width = frame.width,
                                     .height = frame.height};
   small.push = gpu::PushConstants(push);
-  small.groups = {(groups + runs - 1) / runs * runs, 1, 1};
+  small.groups = dealt_grid_of(frontend.small_count(true));
   recorder.compute(std::move(small));
 
   Frontend::GeometryPass rest;
@@ -189,7 +185,6 @@ gpu_types::ListAddresses FragmentLists::writes(gpu::AddressUses& pass) const {
 }
 
 bool lists_are_possible(const Frontend& frontend, std::uint64_t pixels) {
-  if (groups_of(frontend.small_count(true)) + 64 > kMostGroups) return false;
   // Sums over pixels and records are taken through bound ranges.
   return std::max(pixels, frontend.record_count()) * 4 <= frontend.device().info().max_storage_buffer_range;
 }

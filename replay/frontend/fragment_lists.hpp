@@ -40,7 +40,7 @@ inline constexpr std::uint32_t kLongestList = SUBPIXEL_LIST_PARTS * SUBPIXEL_LIS
 // triangle, and in no case more than the last. Where both pixels and triangles have more, most fragments are hidden
 // ones of triangles that fill the vectors of an ordered pass, which is faster then.
 inline constexpr std::uint64_t kAnyFragments = 1'000'000, kMostFragmentsPerPixel = 12, kMostFragmentsPerTriangle = 16;
-inline constexpr std::uint64_t kMostFragments = 32'000'000;
+inline constexpr std::uint64_t kMostFragments = 64'000'000;
 
 // Parts of SUBPIXEL_LIST_PART fragments that a list of so many has, at least one.
 constexpr std::uint32_t list_parts(std::uint64_t fragments) {

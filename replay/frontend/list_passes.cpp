@@ -17,8 +17,10 @@ std::array<std::uint32_t, 3> grid_of(std::uint64_t items) {
   return {row, (groups + row - 1) / row, 1};
 }
 
-std::uint32_t device_runs() {
-  return std::clamp(std::thread::hardware_concurrency(), 1u, 64u);
+std::array<std::uint32_t, 3> dealt_grid_of(std::uint64_t items) {
+  const std::uint32_t groups = std::max(groups_of(items), 1u), threads = std::thread::hardware_concurrency();
+  const std::uint32_t rows = std::max(std::clamp(threads, 1u, 64u), (groups + kMostGroups - 1) / kMostGroups);
+  return {(groups + rows - 1) / rows, rows, 1};
 }
 
 bool runs_long_loops(gpu::Device& device) {

@@ -16,8 +16,9 @@ std::uint32_t groups_of(std::uint64_t items);
 // The same in rows of at most so many, for any number of items.
 std::array<std::uint32_t, 3> grid_of(std::uint64_t items);
 
-// Runs of triangles that threads of the device take side by side (small_walk.glsl).
-std::uint32_t device_runs();
+// The same dealt out to the device's threads, a row for each and more where rows are full (dealt_item() of
+// small_walk.glsl).
+std::array<std::uint32_t, 3> dealt_grid_of(std::uint64_t items);
 
 // Does the device run loops as long as they are? Mesa 22.3 ends them after 65,535 turns, all of an invocation together.
 // A run on the spot tells.

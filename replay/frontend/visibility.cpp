@@ -42,7 +42,6 @@ SmallLists record_small_lists(gpu::PassRecorder& recorder, const FrontendFrame& 
   frontend.record_small_list(recorder, kPass);
   recorder.fill(kPass, *lists.ends, 0);
 
-  const std::uint32_t groups = groups_of(frontend.small_count()), runs = device_runs();
   gpu::ComputePass list;
   list.name = kPass;
   list.shader = "frontend/list_small.comp:COUNT";
@@ -51,11 +50,9 @@ SmallLists record_small_lists(gpu::PassRecorder& recorder, const FrontendFrame& 
                    gpu::writes(FRONTEND_SLOT_BLOCK_ENDS, *lists.ends)};
   list.push = gpu::PushConstants(gpu_types::ListSmallPush{.records = list.reads(frontend.records()),
                                                           .count = static_cast<std::uint32_t>(frontend.small_count()),
-                                                          .groups = groups,
-                                                          .runs = runs,
                                                           .width = frame.width,
                                                           .height = frame.height});
-  list.groups = {(groups + runs - 1) / runs * runs, 1, 1};
+  list.groups = dealt_grid_of(frontend.small_count());
   recorder.compute(list);
   record_bases(recorder, kPass, *lists.ends, sums, blocks);
   list.shader = "frontend/list_small.comp:STORE";

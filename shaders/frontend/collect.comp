@@ -32,7 +32,7 @@ void visit(ivec2 pixel, PixelEdges edges) {
 #include "frontend/small_walk.glsl"
 
 void main() {
-  uint item = dealt_item(push.groups, push.runs);
+  uint item = dealt_item();
   if (item >= push.count) return;
   record = small_records[item];
   uvec4 v01 = push.records.record[record].v01;

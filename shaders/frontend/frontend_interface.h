@@ -121,8 +121,6 @@ struct HullPush {
 struct ListSmallPush {
   ADDRESS(Records) records;
   uint count;   // small triangles
-  uint groups;  // dealt_item()
-  uint runs;
   uint width;
   uint height;
 };
@@ -175,8 +173,6 @@ struct CollectPush {
   ListAddresses lists;
   ADDRESS(Records) records;
   uint count;   // small triangles
-  uint groups;  // dealt_item()
-  uint runs;
   uint width;
   uint height;
 };

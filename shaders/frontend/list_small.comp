@@ -33,7 +33,7 @@ void visit(ivec2 block, PixelEdges edges) {
 #include "frontend/small_walk.glsl"
 
 void main() {
-  item = dealt_item(push.groups, push.runs);
+  item = dealt_item();
   if (item >= push.count) return;
 #ifdef COUNT
   uint record = small_records[item];

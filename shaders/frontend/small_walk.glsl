@@ -12,12 +12,11 @@
 #define WALK_CELL kPixelCell
 #endif
 
-// Which triangle an invocation takes. A device gives each thread a run of groups. Triangles, in `groups` groups of 64, are dealt
-// out to `runs` runs, so that all have their share of large ones, which stand together; and each run stays in order, so that
+// Which triangle an invocation takes. A device gives each thread a run of groups. Triangles, in groups of 64, are dealt out to
+// rows of groups, so that all have their share of large ones, which stand together; and each row stays in order, so that
 // what stands together on the screen is drawn together, and lists by pixel are nearly sorted.
-uint dealt_item(uint groups, uint runs) {
-  uint columns = (groups + runs - 1u) / runs;
-  return (gl_WorkGroupID.x % columns * runs + gl_WorkGroupID.x / columns) * 64u + gl_LocalInvocationID.x;
+uint dealt_item() {
+  return (gl_WorkGroupID.x * gl_NumWorkGroups.y + gl_WorkGroupID.y) * 64u + gl_LocalInvocationID.x;
 }
 
 // Narrows [first, last] to the cells of a row that one edge's half plane, widened by a cell's samples, reaches. `edge`: the
