@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """Rows of scenes, columns of settings, from results that `subpixel replay --json` wrote: the tables of docs/techniques.
 
-    bench/table.py FILE... --settings "msaa:samples=8,agaa:aggregates=2" [--number mse] [--subpixel build/release/subpixel]
+    bench/table.py FILE... --settings "msaa:samples=8,agaa:aggregates=2" [--number mse] [--over SETTING] [--settings-down]
+                   [--subpixel build/release/subpixel]
 
+--over: cells are MSE / FLIP / executions / time over that setting's, of its run. --settings-down: settings are the rows.
 Settings as in `subpixel replay --techniques`, without lists of values; what one does not name is at its default. Several files of a
 scene are read as one. Numbers: mse (1e-4), flip, executions (a pixel), and any counter (a pixel). A setting that no file of the
 scene has is an empty cell."""
@@ -48,29 +50,46 @@ def number_of(result, number):
     return f"{result['counters'][number] / pixels:.4f}" if number in result['counters'] else ''
 
 
+def is_setting(result, setting):
+    technique, wanted = setting
+    own = {name: text(value) for name, value in result['parameters'].items()}
+    return result['technique'] == technique and all(wanted.get(name, value) == value for name, value in own.items())
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('files', nargs='+')
     parser.add_argument('--settings', required=True)
     parser.add_argument('--number', default='mse')
+    parser.add_argument('--over')
+    parser.add_argument('--settings-down', action='store_true')
     parser.add_argument('--subpixel', default='build/release/subpixel')
     options = parser.parse_args()
     defaults = registry(options.subpixel)
     settings = {setting: parse(setting, defaults) for setting in options.settings.split(',')}
+    over = parse(options.over, defaults) if options.over else None
     rows = {}
     for file in options.files:
         with open(file, encoding='utf-8') as stream:
             told = json.load(stream)
         cells = rows.setdefault(told['head']['capture_title'], {})
+        base = next((r['ms']['total'] for r in told['results'] if over and is_setting(r, over)), None)
         for result in told['results']:
-            own = {name: text(value) for name, value in result['parameters'].items()}
-            for setting, (technique, wanted) in settings.items():
-                if result['technique'] == technique and all(wanted.get(n, v) == v for n, v in own.items()):
+            for setting, wanted in settings.items():
+                if not is_setting(result, wanted):
+                    continue
+                if not over:
                     cells[setting] = number_of(result, options.number)
-    print('| ' + ' | '.join(['scene'] + [f'`{s}`' for s in settings]) + ' |')
-    print('|' + ' --- |' * (len(settings) + 1))
-    for scene, cells in rows.items():
-        print('| ' + ' | '.join([f'`{scene}`'] + [cells.get(s, '') for s in settings]) + ' |')
+                elif base:
+                    numbers = [number_of(result, number) for number in ('mse', 'flip', 'executions')]
+                    cells[setting] = ' / '.join(numbers + [f"{result['ms']['total'] / base:.2f}"])
+    lines = [[''] + [f'`{s}`' for s in settings]]
+    lines += [[f'`{scene}`'] + [cells.get(s, '') for s in settings] for scene, cells in rows.items()]
+    if options.settings_down:
+        lines = list(zip(*lines))
+    lines.insert(1, ['---'] * len(lines[0]))
+    for line in lines:
+        print('| ' + ' | '.join(line) + ' |')
 
 
 if __name__ == '__main__':
