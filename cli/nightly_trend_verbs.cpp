@@ -31,6 +31,16 @@ struct TrendArguments {
   std::string repository = ".", command, good, bad, folder;
 };
 
+// Why there is no trend: a cell that was asked for is named as nights name it, or not at all.
+std::string nothing_measured(const server::NightStore& nights, const TrendArguments& arguments) {
+  std::string techniques;
+  for (const auto& [capture, technique] : trend_cells(nights, arguments.name))
+    if (capture == arguments.capture) techniques += (techniques.empty() ? "" : ", ") + printable(technique);
+  if (techniques.empty()) return "no finished night of this name measured it";
+  return fmt::format("no finished night measured {} by {}; it was measured by {}", printable(arguments.capture),
+                     printable(arguments.technique), techniques);
+}
+
 std::vector<CellTrend> trends_of(const server::NightStore& nights, const TrendArguments& arguments) {
   if (arguments.capture.empty() != arguments.technique.empty())
     throw UsageError("trend", "a cell has a capture and a technique",
@@ -48,8 +58,7 @@ std::vector<CellTrend> trends_of(const server::NightStore& nights, const TrendAr
     }
     if (!trend.nights.empty()) trends.push_back(std::move(trend));
   }
-  if (trends.empty())
-    throw InputError("trend", "no finished night of this name measured it", printable(arguments.name));
+  if (trends.empty()) throw InputError("trend", nothing_measured(nights, arguments), printable(arguments.name));
   return trends;
 }
 

@@ -74,4 +74,8 @@ code=0; action || code=$?
 grep -q '^status=failed$' "$folder/output" || fail "the output does not say that it failed"
 comment=$(sed -n 's/^comment=//p' "$folder/output")
 grep -q 'http://localhost:1/#/nights/' "$comment" || fail "the comment has no link"
+# A cell under another name than the summary's is told what it is called.
+code=0; told=$("$subpixel" nightly trend --data "$folder/data" --name ci --capture one --technique msaa 2>&1) || code=$?
+[ "$code" = 3 ] || fail "exit code $code of a trend of no cell"
+[[ $told == *"one by msaa; it was measured by "*"msaa:samples=8"* ]] || fail "the refusal does not name the cells: $told"
 echo "ci_templates_test: passed"
