@@ -52,6 +52,7 @@ void record_driver_depth(gpu::PassRecorder& recorder, GpuScene& scene, Frontend&
   gpu::RasterPass pass;
   pass.name = fmt::format("driver {}x depth", static_cast<int>(samples));
   pass.pipeline.vertex = "tests/plain.vert";
+  pass.pipeline.constants = frontend.constants();
   pass.pipeline.targets.samples = samples;
   pass.pipeline.targets.clear = true;
   pass.pipeline.depth_compare = VK_COMPARE_OP_GREATER;

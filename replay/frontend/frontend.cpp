@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "replay/frontend/count_image.hpp"
+#include "replay/frontend/host_setup.hpp"
 #include "replay/frontend/list_passes.hpp"
 
 namespace subpixel::replay {
@@ -23,7 +24,9 @@ std::uint32_t groups_of(std::uint64_t items, std::uint32_t size) {
 
 }  // namespace
 
-Frontend::Frontend(gpu::Device& device, GpuScene& scene) : device_(device), scene_(scene) {}
+SetupPlace setup_place(const gpu::Device& device) {
+  return device.info().is_cpu || !device.info().doubles ? SetupPlace::host : SetupPlace::device;
+}
 
 gpu::Constants Frontend::constants() const {
   return {{CONSTANT_SAMPLES, samples_}, {CONSTANT_FEATURES, scene_.features().bits}};
@@ -121,7 +124,7 @@ void Frontend::prepare(std::uint32_t samples) {
   gpu::PassRecorder sizing(device_);
   record_culling(sizing);
   sizing.run();
-  clipped_ = clip_count_.as<std::uint32_t>()[0];
+  clipped_ = place_ == SetupPlace::host ? host_clipped_.size() : clip_count_.as<std::uint32_t>()[0];
   const glm::uvec4 totals = sums_.as<glm::uvec4>()[chunk_count_];
   hull_triangles_ = totals.x;
   pieces_ = totals.y;
@@ -142,6 +145,27 @@ void Frontend::prepare(std::uint32_t samples) {
 }
 
 void Frontend::record_culling(gpu::PassRecorder& recorder) {
+  if (place_ == SetupPlace::host)
+    recorder.host_pass("setup", [this] {
+      const auto records = records_.as<gpu_types::TriangleRecord>();
+      host_clipped_ = set_up_on_host(host_input(), records, counts_.as<std::uint32_t>());
+    });
+  else
+    record_triangles(recorder);
+
+  gpu::ComputePass sum;
+  sum.name = "setup";
+  sum.shader = "frontend/chunk_sum.comp:ALL";
+  sum.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, counts_), gpu::writes(FRONTEND_SLOT_SUMS, sums_)};
+  const gpu_types::ChunkSumPush sum_push{chunk_count_, chunk_count_ * kChunk, COUNT_SMALL};
+  sum.push = gpu::PushConstants(sum_push);
+  sum.groups = {groups_of(chunk_count_, 64), 1, 1};
+  recorder.compute(sum);
+
+  record_scan(recorder, "setup", sums_, chunk_count_);
+}
+
+void Frontend::record_triangles(gpu::PassRecorder& recorder) {
   recorder.fill("setup", clip_count_, 0);
   gpu::ComputePass pass;
   pass.name = "setup";
@@ -157,18 +181,17 @@ void Frontend::record_culling(gpu::PassRecorder& recorder) {
   pass.shader = "frontend/clip.comp:COUNT";
   pass.bindings = clip_bindings();
   pass.groups = {groups_of(clipped_, 64), 1, 1};
-  recorder.compute(pass);
+  recorder.compute(std::move(pass));
+}
 
-  gpu::ComputePass sum;
-  sum.name = "setup";
-  sum.shader = "frontend/chunk_sum.comp:ALL";
-  sum.bindings = {gpu::reads(FRONTEND_SLOT_COUNTS, counts_), gpu::writes(FRONTEND_SLOT_SUMS, sums_)};
-  const gpu_types::ChunkSumPush sum_push{chunk_count_, chunk_count_ * kChunk, COUNT_SMALL};
-  sum.push = gpu::PushConstants(sum_push);
-  sum.groups = {groups_of(chunk_count_, 64), 1, 1};
-  recorder.compute(sum);
-
-  record_scan(recorder, "setup", sums_, chunk_count_);
+HostSetupInput Frontend::host_input() const {
+  return {.frame = scene_.constants(),
+          .samples = samples_,
+          .chunks = chunks_.as<gpu_types::ChunkRecord>().first(chunk_count_),
+          .positions = scene_.positions.as<glm::vec3>(),
+          .indices = scene_.indices.as<std::uint32_t>(),
+          .clip_matrices = clip_matrices_.as<glm::mat4>(),
+          .instances = scene_.instances.as<gpu_types::InstanceRecord>()};
 }
 
 void Frontend::record_setup(gpu::PassRecorder& recorder) {
@@ -186,7 +209,12 @@ void Frontend::record_setup(gpu::PassRecorder& recorder) {
   emit.groups = {groups_of(chunk_count_, 64), 1, 1};
   recorder.compute(emit);
 
-  if (clipped_ > 0) {
+  if (place_ == SetupPlace::host) {
+    recorder.host_pass("setup", [this] {
+      const auto pieces = records_.as<gpu_types::TriangleRecord>().subspan(triangle_slots());
+      emit_pieces_on_host(host_input(), host_clipped_, piece_bases_.as<std::uint32_t>(), pieces);
+    });
+  } else if (clipped_ > 0) {
     gpu::ComputePass clip;
     clip.name = "setup";
     clip.shader = "frontend/clip.comp:EMIT";

@@ -5,15 +5,22 @@
 #include <cstdint>
 #include <vector>
 
+#include "replay/frontend/host_setup.hpp"
 #include "replay/gpu/pass_recorder.hpp"
 #include "replay/scene/gpu_scene.hpp"
 #include "shaders/frontend/frontend_interface.h"
 
 namespace subpixel::replay {
 
+// Who sets up triangles, to the same bits: the device's shaders or the host's threads (host_setup.hpp).
+enum class SetupPlace { device, host };
+// The host for CPU devices, whose processor it is, and for devices without doubles.
+SetupPlace setup_place(const gpu::Device& device);
+
 class Frontend {
  public:
-  Frontend(gpu::Device& device, GpuScene& scene);
+  Frontend(gpu::Device& device, GpuScene& scene) : Frontend(device, scene, setup_place(device)) {}
+  Frontend(gpu::Device& device, GpuScene& scene, SetupPlace place) : device_(device), scene_(scene), place_(place) {}
 
   // Sizes everything for the scene's current frame at `samples` per pixel, by running set-up once.
   void prepare(std::uint32_t samples);
@@ -84,6 +91,8 @@ class Frontend {
  private:
   void build_chunks();
   void build_clip_matrices();
+  void record_triangles(gpu::PassRecorder& recorder);
+  HostSetupInput host_input() const;
   gpu_types::SetupPush setup_push(gpu::AddressUses& pass);
   std::vector<gpu::Binding> clip_bindings();
   void record_culling(gpu::PassRecorder& recorder);
@@ -92,6 +101,8 @@ class Frontend {
 
   gpu::Device& device_;
   GpuScene& scene_;
+  SetupPlace place_;
+  std::vector<std::uint32_t> host_clipped_;  // of the last run
   std::uint32_t samples_ = 0;
   std::uint32_t chunk_count_ = 0;
   std::uint64_t hulls_ = 0, hull_triangles_ = 0, clipped_ = 0, pieces_ = 0, small_count_ = 0, small_tested_ = 0,

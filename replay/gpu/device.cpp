@@ -247,6 +247,7 @@ void Device::choose_physical(const DeviceOptions& options) {
   };
   info_.ordered_attachments = wanted(kOrderedAttachments) && has_ordered_attachments(physical_);
   info_.pixel_interlock = wanted(kPixelInterlock) && has_pixel_interlock(physical_);
+  info_.doubles = true;
   timestamp_period_ns_ = core.limits.timestampPeriod;
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 }
@@ -343,6 +344,14 @@ double Device::run(const std::string& name, const std::function<void(VkCommandBu
                               VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "vkGetQueryPoolResults");
   return static_cast<double>(ticks[1] - ticks[0]) * static_cast<double>(timestamp_period_ns_) * 1e-6;
+}
+
+double Device::run_on_host(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  total_ms_ += wall_ms;
+  return wall_ms;
 }
 
 std::uint32_t Device::memory_type(std::uint32_t allowed_types, VkMemoryPropertyFlags required,

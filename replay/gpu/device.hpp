@@ -38,6 +38,7 @@ struct DeviceInfo {
   // VK_EXT_rasterization_order_attachment_access: visibility in one geometry pass, and the ordered passes of
   // techniques.
   bool ordered_attachments = false;
+  bool doubles = false;          // shaderFloat64: set-up on the device
   bool pixel_interlock = false;  // VK_EXT_fragment_shader_interlock: ordered passes use it for state in buffers
 };
 
@@ -83,6 +84,8 @@ class Device {
   // the device took: the wall clock on a CPU device, where the queue's work runs on this machine's cores; timestamps
   // elsewhere. Throws DeviceError.
   double run(const std::string& name, const std::function<void(VkCommandBuffer)>& record);
+  // A pass's work on the host in place of the device, timed likewise.
+  double run_on_host(const std::function<void()>& work);
   // Milliseconds of all runs so far.
   double total_ms() const { return total_ms_; }
 

@@ -468,6 +468,14 @@ void PassRecorder::fill(const std::string& name, Buffer& buffer, std::uint32_t v
 void PassRecorder::host(std::function<void()> work) {
   Step step;
   step.host = std::move(work);
+  step.is_pass = false;
+  steps_.push_back(std::move(step));
+}
+
+void PassRecorder::host_pass(const std::string& name, std::function<void()> work) {
+  Step step;
+  step.timing = timing(name);
+  step.host = std::move(work);
   steps_.push_back(std::move(step));
 }
 
@@ -476,7 +484,10 @@ void PassRecorder::run() {
   std::vector<double> totals(timings_.size(), 0.0);
   for (auto& step : steps_) {
     if (step.host) {
-      step.host();
+      if (step.is_pass)
+        totals[step.timing] += device_.run_on_host(step.host);
+      else
+        step.host();
       continue;
     }
     totals[step.timing] += device_.run(timings_[step.timing].name, [&](VkCommandBuffer commands) {

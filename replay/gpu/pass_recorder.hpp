@@ -185,6 +185,8 @@ class PassRecorder {
   void fill(const std::string& name, Buffer& buffer, std::uint32_t value);
   // Host work between passes (reading a device-side total); not timed.
   void host(std::function<void()> work);
+  // A pass whose work the host does, timed as the others are.
+  void host_pass(const std::string& name, std::function<void()> work);
 
   // Runs all passes once, in order, waiting after each; adds to the timings.
   void run();
@@ -206,6 +208,7 @@ class PassRecorder {
     std::vector<Use> uses;
     std::function<void(VkCommandBuffer)> record;
     std::function<void()> host;
+    bool is_pass = true;  // which is timed
   };
   void bind(VkCommandBuffer commands, VkPipelineBindPoint point, const std::vector<Binding>& bindings,
             const std::vector<Attachment>& inputs);

@@ -40,10 +40,8 @@ struct TriangleRecord {
 };
 #define RECORD_BACK_FACE 1u
 #define RECORD_MIRRORED 2u
-// The size of the bounding box, which decides how edges are computed (coverage.glsl).
-#define RECORD_LARGE 4u  // over SUBPIXEL_SMALL_PX pixels wide or high
-#define RECORD_HUGE 8u   // over SUBPIXEL_LARGE_PX
-#define RECORD_MATERIAL_SHIFT 4
+#define RECORD_LARGE 4u  // over SUBPIXEL_SMALL_PX pixels wide or high, which decides how edges are computed (coverage.glsl)
+#define RECORD_MATERIAL_SHIFT 3
 // Screen triangles whose samples lie in no more pixels than this are small: passes may rasterise them in compute.
 #define SUBPIXEL_SMALL_TRIANGLE_PX 512.0
 // What set-up says of a triangle's slot: how many triangles its hull has, or how many clipped pieces there are; of a small one
@@ -55,7 +53,6 @@ struct TriangleRecord {
 #define COUNT_BLOCKS_MASK 0x3ffu
 #define COUNT_MASK 0xfu
 #define SUBPIXEL_SMALL_PX 60
-#define SUBPIXEL_LARGE_PX 4000
 
 // What the lists by block need of a small triangle.
 struct SmallTriangle {

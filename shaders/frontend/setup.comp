@@ -53,8 +53,7 @@ void main() {
     record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0u) | chunk.range.w << RECORD_MATERIAL_SHIFT;
     record.depth2.w = slot;
     if (count != 0u) push.records.record[slot] = record;
-    bool small = (record.v2_ref.w & (RECORD_LARGE | RECORD_HUGE)) == 0u &&
-                 pixels_reached(record) <= SUBPIXEL_SMALL_TRIANGLE_PX;
+    bool small = (record.v2_ref.w & RECORD_LARGE) == 0u && pixels_reached(record) <= SUBPIXEL_SMALL_TRIANGLE_PX;
     uint kind = (chunk.flags.x & CHUNK_ALPHA_TEST) == 0u ? COUNT_SMALL : COUNT_SMALL_TESTED;
     count |= count != 0u && small ? kind | blocks_reached(record) << COUNT_BLOCKS_SHIFT : 0u;
   }

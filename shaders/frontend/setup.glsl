@@ -86,8 +86,8 @@ uint conservative_hull(vec2 p[3], double w, out vec2 hull[4]) {
   float height_left = -dot(direction, to_left), height_right = -dot(direction, to_right);
   float quad_area = area * (1.0 - cut * cut / (height_left * height_right)) + kSecondTriangle_px;
   if (cut > 0.0 && cut < height_left && cut < height_right && quad_area < best) {
-    vec2 cut_left = vec2(q[tip] + dvec2(to_left) * double(cut / height_left));
-    vec2 cut_right = vec2(q[tip] + dvec2(to_right) * double(cut / height_right));
+    vec2 cut_left = vec2(q[tip] + (q[left] - q[tip]) * double(cut / height_left));
+    vec2 cut_right = vec2(q[tip] + (q[right] - q[tip]) * double(cut / height_right));
     if (near_enough(vec2(q[left]), vec2(q[right]), cut_left, cut_right)) {
       hull = vec2[4](vec2(q[left]), vec2(q[right]), cut_right, cut_left);
       triangles = 2u;
@@ -123,15 +123,14 @@ uint set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, o
   cells_in_reach(v0, v1, v2, ivec2(frame.viewport.xy), kPixelCell, first, last);
   alive = alive && all(lessThanEqual(first, last));
 
-  int size = max(high.x - low.x, high.y - low.y);
-  bool huge = size > SUBPIXEL_LARGE_PX * SUBPIXEL_SNAP, large = size > SUBPIXEL_SMALL_PX * SUBPIXEL_SNAP && !huge;
+  bool large = max(high.x - low.x, high.y - low.y) > SUBPIXEL_SMALL_PX * SUBPIXEL_SNAP;
 
   // Small triangles: does any sample lie inside? A loop, so that large ones don't pay. Of many samples one nearly always does
   // where a triangle reaches more than one pixel.
   ivec2 extent = last - first + 1;
   int pixels = extent.x * extent.y;
   int most = SAMPLES > 16u ? 1 : 6;
-  int tested = (alive && !large && !huge && pixels <= most) ? pixels : 0;
+  int tested = (alive && !large && pixels <= most) ? pixels : 0;
   bool touched = tested == 0;
   ivec2 pixel = first;
   for (int k = 0; k < tested; ++k) {
@@ -161,7 +160,7 @@ uint set_up_triangle(vec4 c0, vec4 c1, vec4 c2, bool cull_back, bool mirrored, o
   ivec2 corner = frame_pixel(ivec2(0));
   record.v01 = uvec4(ivec4(v0, v1) - corner.xyxy * SUBPIXEL_SNAP);
   reference -= corner;
-  record.v2_ref = uvec4(uvec2(v2 - corner * SUBPIXEL_SNAP), uint(reference.x) | uint(reference.y) << 16, (back ? RECORD_BACK_FACE : 0u) | (large ? RECORD_LARGE : 0u) | (huge ? RECORD_HUGE : 0u));
+  record.v2_ref = uvec4(uvec2(v2 - corner * SUBPIXEL_SNAP), uint(reference.x) | uint(reference.y) << 16, (back ? RECORD_BACK_FACE : 0u) | (large ? RECORD_LARGE : 0u));
   // Slopes beyond float's range belong to triangles seen edge-on, whose depths the clamp decides.
   record.depth = floatBitsToUint(vec4(clamp(vec3(z, dx * 256.0LF, dy * 256.0LF), -1e30, 1e30), min(min(n0.z, n1.z), n2.z)));
   record.depth2 = uvec4(floatBitsToUint(max(max(n0.z, n1.z), n2.z)), floatBitsToUint(hull[3]), 0u);

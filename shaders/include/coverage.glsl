@@ -5,12 +5,12 @@
 //   E(x, y) = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0),
 // is positive inside. Samples lie 2 k / 256 pixel from the centre (k an integer, |k| <= 64), so
 //   E(sample) >= 0  <=>  floor(E(centre) / 2) + A kx + B ky >= 0,   A = -(y1 - y0), B = x1 - x0.
-// How that stays exact depends on the size of the triangle's bounding box (RECORD_ bits), the same for all its fragments:
+// How that stays exact depends on the size of the triangle's bounding box (RECORD_LARGE), the same for all its fragments:
 // - up to SUBPIXEL_SMALL_PX: |A|, |B| < 2^14 and a hull's pixels are within 2^15 of every vertex, so the centre's value fits 32
 //   bits. Clamped to 2^23 it can't change sign by the samples' terms, which are below 2^21, and float32 holds all sums.
-// - RECORD_LARGE, up to SUBPIXEL_LARGE_PX: the centre's value is computed modulo 2^32 and, roughly, in floats. Below 2^30 the
-//   former is exact; above, the sign of the latter is right and the samples' terms, below 2^28, can't change it.
-// - RECORD_HUGE: the centre's value in doubles, which hold it exactly (|x|, |y| < 2^23), then clamped to 2^30.
+// - larger: |A|, |B| < 2^22.6, the guard band and an image of 16384 pixels across. The centre's value is computed modulo 2^32
+//   and, roughly, in floats, which are off by less than 2^23. Where those say less than 2^31 - 2^26 the former is exact; beyond,
+//   their sign is right, and the samples' terms, below 2^29.6 together, can't change that of half of it.
 #ifndef SUBPIXEL_COVERAGE_GLSL
 #define SUBPIXEL_COVERAGE_GLSL
 
@@ -35,23 +35,16 @@ int large_edge_base(ivec2 from, ivec2 along, ivec2 point) {
   ivec2 away = point - from;
   int value = along.x * away.y - along.y * away.x - (edge_inclusive(along) ? 0 : 1);
   float rough = float(along.x) * float(away.y) - float(along.y) * float(away.x);
-  return abs(rough) < 1073741824.0 ? value >> 1 : (rough > 0.0 ? 1073741824 : -1073741824);
+  return abs(rough) < 2080374784.0 ? value >> 1 : (rough > 0.0 ? 1073741824 : -1073741824);
 }
 
-int huge_edge_base(ivec2 from, ivec2 along, ivec2 point) {
-  double value = double(along.x) * double(point.y - from.y) - double(along.y) * double(point.x - from.x);
-  value = floor((value - (edge_inclusive(along) ? 0.0LF : 1.0LF)) * 0.5LF);
-  value = clamp(value, -1073741824.0LF, 1073741824.0LF);
-  // Adding 1.5 * 2^52 leaves the integer in the low bits; lavapipe converts doubles to integers one lane at a time.
-  return int(unpackDouble2x32(value + 6755399441055744.0LF).x);
-}
-
-// The pixel of gl_FragCoord.xy, by adding 2^23 for the same reason.
+// The pixel of gl_FragCoord.xy, by adding 2^23, which leaves the integer in the low bits: lavapipe converts floats to integers one
+// lane at a time.
 ivec2 pixel_of(vec2 coordinate) {
   return ivec2(floatBitsToUint(coordinate - 0.5 + 8388608.0) & 0x7fffffu);
 }
 
-// `size_bits`: RECORD_LARGE and RECORD_HUGE of the triangle.
+// `size_bits`: RECORD_LARGE of the triangle.
 PixelEdges pixel_edges(ivec2 v0, ivec2 v1, ivec2 v2, ivec2 pixel, uint size_bits) {
   ivec2 point = pixel * SUBPIXEL_SNAP + SUBPIXEL_SNAP / 2;
   ivec2 d0 = v1 - v0, d1 = v2 - v1, d2 = v0 - v2;
@@ -61,13 +54,11 @@ PixelEdges pixel_edges(ivec2 v0, ivec2 v1, ivec2 v2, ivec2 pixel, uint size_bits
   edges.large_b = ivec3(d0.x, d1.x, d2.x);
   edges.a = vec3(edges.large_a);
   edges.b = vec3(edges.large_b);
-  edges.large = (size_bits & (RECORD_LARGE | RECORD_HUGE)) != 0u;
+  edges.large = (size_bits & RECORD_LARGE) != 0u;
   edges.large_base = ivec3(0);
   // All fragments of one triangle take the same way: loops skip what an `if` would compute under a mask.
-  for (bool go = (size_bits & RECORD_LARGE) != 0u; go; go = false)
+  for (bool go = edges.large; go; go = false)
     edges.large_base = ivec3(large_edge_base(v0, d0, point), large_edge_base(v1, d1, point), large_edge_base(v2, d2, point));
-  for (bool go = (size_bits & RECORD_HUGE) != 0u; go; go = false)
-    edges.large_base = ivec3(huge_edge_base(v0, d0, point), huge_edge_base(v1, d1, point), huge_edge_base(v2, d2, point));
   return edges;
 }
 
