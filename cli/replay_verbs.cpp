@@ -232,13 +232,12 @@ int list_devices() {
   const std::vector<gpu::VulkanDevice> devices = gpu::vulkan_devices();
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const gpu::VulkanDevice& device = devices[i];
-    const std::string state = !device.missing.empty() ? fmt::format("lacks {}", fmt::join(device.missing, ", "))
-                              : device.is_lavapipe    ? "taken by default"
-                              : device.slower.empty() ? "has what passes need"
-                                                      : fmt::format(
-                                                            "without {}, which some passes replace and ordered "
-                                                            "ones need",
-                                                            fmt::join(device.slower, ", "));
+    std::string state = !device.missing.empty() ? fmt::format("lacks {}", fmt::join(device.missing, ", "))
+                        : device.is_lavapipe    ? "taken by default"
+                                                : "has what all passes need";
+    if (!device.missing_in_part.empty())
+      state += fmt::format("; without {}, for which some passes have another way and others refuse it",
+                           fmt::join(device.missing_in_part, ", "));
     fmt::print("{} {}: {}\n", i, printable(device.name), state);
   }
   return 0;

@@ -369,7 +369,7 @@ void Frontend::record_geometry(gpu::PassRecorder& recorder, GeometryPass geometr
       batch_push.material = batch.material;
       encoder.push(gpu::PushConstants(batch_push));
       encoder.material(scene_.material_set(batch.material));
-      encoder.draw_indexed_indirect(commands, i * sizeof(VkDrawIndexedIndirectCommand), 1);
+      encoder.draw_indexed_indirect(commands, i * sizeof(VkDrawIndexedIndirectCommand));
     }
   };
   recorder.raster(std::move(pass));

@@ -48,10 +48,29 @@ class DenormalsAreZero {
   [[maybe_unused]] unsigned before_ = 0;
 };
 
+// One lane for each corner of a triangle, the last of them twice.
+using Lanes = float __attribute__((vector_size(16)));
+using LaneBits = std::int32_t __attribute__((vector_size(16)));
+
+Lanes all(float value) {
+  return Lanes{value, value, value, value};
+}
+
 // Rounded down; of magnitudes below 2^31.
-int floored(float value) {
-  const int whole = static_cast<int>(value);
-  return whole - (value < static_cast<float>(whole) ? 1 : 0);
+LaneBits floored(Lanes value) {
+  const LaneBits whole = __builtin_convertvector(value, LaneBits);
+  return whole + (value < __builtin_convertvector(whole, Lanes));
+}
+
+// The highest bit of each lane, of which there are four.
+unsigned signs(LaneBits lanes) {
+#if defined(__x86_64__)
+  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(lanes)));
+#else
+  unsigned bits = 0;
+  for (int i = 0; i < 4; ++i) bits |= lanes[i] < 0 ? 1U << i : 0U;
+  return bits;
+#endif
 }
 
 uvec4 bits(const vec2& a, const vec2& b) {
@@ -59,7 +78,11 @@ uvec4 bits(const vec2& a, const vec2& b) {
 }
 
 struct ClipTriangle {
-  std::array<vec4, 3> corner;
+  Lanes x, y, z, w;
+  ClipTriangle(Lanes cx, Lanes cy, Lanes cz, Lanes cw) : x(cx), y(cy), z(cz), w(cw) {}
+  ClipTriangle(const vec4& a, const vec4& b, const vec4& c)
+      : x{a.x, b.x, c.x, c.x}, y{a.y, b.y, c.y, c.y}, z{a.z, b.z, c.z, c.z}, w{a.w, b.w, c.w, c.w} {}
+  vec4 corner(int i) const { return {x[i], y[i], z[i], w[i]}; }
 };
 
 // The rest of this file follows setup.glsl, setup.comp and clip.comp line by line, branches aside: operations and their order
@@ -75,49 +98,50 @@ class TriangleSetup {
         first_row_(static_cast<int>(input.frame.band.x)),
         rows_(static_cast<int>(input.frame.band.y)),
         reach_(input.samples == 1 ? 0.015625F : input.samples <= 8 ? 0.453125F : 0.515625F) {
-    for (std::uint32_t i = 0; i < input.samples; ++i) {
-      const gpu_types::SampleOffset offset = gpu_types::sample_offset(input.samples, i);
-      offset_x_[i] = static_cast<float>(offset.x);
-      offset_y_[i] = static_cast<float>(offset.y);
+    // The last group of lanes is filled up with samples that are there.
+    for (std::uint32_t i = 0; i < offset_x_.size() * 4; ++i) {
+      const gpu_types::SampleOffset offset = gpu_types::sample_offset(input.samples, i % input.samples);
+      offset_x_[i / 4][i % 4] = static_cast<float>(offset.x);
+      offset_y_[i / 4][i % 4] = static_cast<float>(offset.y);
     }
   }
 
   ClipTriangle source(std::uint32_t first_index, std::uint32_t instance) const {
     const glm::mat4& m = in_.clip_matrices[instance];
-    ClipTriangle triangle;
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const vec3& p = in_.positions[in_.indices[first_index + k]];
-      triangle.corner[k] = m[0] * p.x + (m[1] * p.y + (m[2] * p.z + m[3]));
-    }
-    return triangle;
+    const vec3 &a = in_.positions[in_.indices[first_index]], &b = in_.positions[in_.indices[first_index + 1]],
+               &c = in_.positions[in_.indices[first_index + 2]];
+    const Lanes x{a.x, b.x, c.x, c.x}, y{a.y, b.y, c.y, c.y}, z{a.z, b.z, c.z, c.z};
+    const auto row = [&](int i) { return m[0][i] * x + (m[1][i] * y + (m[2][i] * z + m[3][i])); };
+    return {row(0), row(1), row(2), row(3)};
   }
 
   bool mirrored(std::uint32_t instance) const { return in_.instances[instance].normal_row[0].w < 0.0F; }
 
-  // Inside when not negative.
-  float plane_distance(std::uint32_t plane, const vec4& c) const {
+  // Signed distances from a clip plane of setup.glsl, inside when not negative; of one point or of lanes.
+  template <typename Number>
+  Number plane_distance(std::uint32_t plane, const Number& x, const Number& y, const Number& z, const Number& w) const {
     switch (plane) {
       case 0:
-        return c.w - c.z;
+        return w - z;
       case 1:
-        return c.z;
+        return z;
       case 2:
-        return guard_.x * c.w + c.x;
+        return guard_.x * w + x;
       case 3:
-        return guard_.x * c.w - c.x;
+        return guard_.x * w - x;
       case 4:
-        return guard_.y * c.w + c.y;
+        return guard_.y * w + y;
       default:
-        return guard_.y * c.w - c.y;
+        return guard_.y * w - y;
     }
   }
+  float plane_distance(std::uint32_t plane, const vec4& c) const { return plane_distance(plane, c.x, c.y, c.z, c.w); }
 
   // COUNT_ bits of a whole triangle, whose record is written when they are not 0.
   std::uint32_t set_up_whole(const ClipTriangle& t, const ChunkRecord& chunk, std::uint32_t first_index,
                              std::uint32_t slot, TriangleRecord& record) const;
   // Triangles of the hull, 0: nothing is drawn and the record is not written.
-  std::uint32_t set_up(const vec4& c0, const vec4& c1, const vec4& c2, bool cull_back, bool mirrored,
-                       TriangleRecord& record) const;
+  std::uint32_t set_up(const ClipTriangle& t, bool cull_back, bool mirrored, TriangleRecord& record) const;
 
  private:
   struct Cells {
@@ -138,7 +162,7 @@ class TriangleSetup {
   vec2 half_size_, guard_;
   int first_row_, rows_;
   float reach_;
-  std::array<float, 64> offset_x_{}, offset_y_{};
+  std::array<Lanes, 16> offset_x_{}, offset_y_{};  // of samples, four at a time
 };
 
 bool TriangleSetup::touches_a_sample(const std::array<ivec2, 3>& v, const Cells& cells) const {
@@ -158,15 +182,12 @@ bool TriangleSetup::touches_a_sample(const std::array<ivec2, 3>& v, const Cells&
         const int value = along[i].x * (point.y - v[i].y) - along[i].y * (point.x - v[i].x) - (inclusive ? 0 : 1);
         base[i] = static_cast<float>(std::clamp(value >> 1, -8388608, 8388608));
       }
-      std::int32_t all_outside = -1;
-      for (std::uint32_t i = 0; i < in_.samples; ++i) {
-        const float e0 = base[0] + a[0] * offset_x_[i] + b[0] * offset_y_[i];
-        const float e1 = base[1] + a[1] * offset_x_[i] + b[1] * offset_y_[i];
-        const float e2 = base[2] + a[2] * offset_x_[i] + b[2] * offset_y_[i];
-        all_outside &=
-            std::bit_cast<std::int32_t>(e0) | std::bit_cast<std::int32_t>(e1) | std::bit_cast<std::int32_t>(e2);
+      for (std::uint32_t i = 0; i < in_.samples; i += 4) {
+        const auto edge = [&](int k) {
+          return (LaneBits)(base[k] + a[k] * offset_x_[i / 4] + b[k] * offset_y_[i / 4]);
+        };
+        if (signs(edge(0) | edge(1) | edge(2)) != 0xf) return true;
       }
-      if (all_outside >= 0) return true;
     }
   }
   return false;
@@ -240,14 +261,13 @@ std::uint32_t TriangleSetup::conservative_hull(const std::array<vec2, 3>& p, dou
   return triangles;
 }
 
-std::uint32_t TriangleSetup::set_up(const vec4& c0, const vec4& c1, const vec4& c2, bool cull_back, bool mirrored,
+std::uint32_t TriangleSetup::set_up(const ClipTriangle& t, bool cull_back, bool mirrored,
                                     TriangleRecord& record) const {
-  const auto snapped = [this](const vec4& c) {
-    const vec2 pixels = (vec2(c.x / c.w, c.y / c.w) * half_size_ + half_size_) * static_cast<float>(SUBPIXEL_SNAP) + 0.5F;
-    return ivec2(floored(pixels.x), floored(pixels.y));
-  };
-  const ivec2 v0 = snapped(c0);
-  ivec2 v1 = snapped(c1), v2 = snapped(c2);
+  constexpr auto kSnap = static_cast<float>(SUBPIXEL_SNAP);
+  const LaneBits x = floored((t.x / t.w * half_size_.x + half_size_.x) * kSnap + 0.5F);
+  const LaneBits y = floored((t.y / t.w * half_size_.y + half_size_.y) * kSnap + 0.5F);
+  const ivec2 v0(x[0], y[0]);
+  ivec2 v1(x[1], y[1]), v2(x[2], y[2]);
   // Below 2^47, so whole numbers and doubles hold it.
   std::int64_t area = std::int64_t{v1.x - v0.x} * (v2.y - v0.y) - std::int64_t{v2.x - v0.x} * (v1.y - v0.y);
   const bool back = (area > 0) != mirrored;
@@ -264,7 +284,8 @@ std::uint32_t TriangleSetup::set_up(const vec4& c0, const vec4& c1, const vec4& 
   const bool large = std::max(high.x - low.x, high.y - low.y) > SUBPIXEL_SMALL_PX * SUBPIXEL_SNAP;
   if (!large && extent.x * extent.y <= (in_.samples > 16 ? 1 : 6) && !touches_a_sample({v0, v1, v2}, cells)) return 0;
 
-  const float n0 = c0.z / c0.w, n1 = (turned ? c2.z / c2.w : c1.z / c1.w), n2 = (turned ? c1.z / c1.w : c2.z / c2.w);
+  const Lanes n = t.z / t.w;
+  const float n0 = n[0], n1 = turned ? n[2] : n[1], n2 = turned ? n[1] : n[2];
   ivec2 reference = glm::clamp(ivec2((low.x + high.x) >> 9, (low.y + high.y) >> 9), ivec2(0), size_ - 1);
   const auto twice_area = static_cast<double>(area);
   const double z0 = n0, z1 = static_cast<double>(n1) - z0, z2 = static_cast<double>(n2) - z0;
@@ -325,8 +346,7 @@ std::uint32_t TriangleSetup::blocks_reached(const TriangleRecord& record) const 
 std::uint32_t TriangleSetup::set_up_whole(const ClipTriangle& t, const ChunkRecord& chunk, std::uint32_t first_index,
                                           std::uint32_t slot, TriangleRecord& record) const {
   const bool is_mirrored = mirrored(chunk.range.z);
-  const std::uint32_t hull = set_up(t.corner[0], t.corner[1], t.corner[2], (chunk.flags.x & CHUNK_CULL_BACK) != 0,
-                                    is_mirrored, record);
+  const std::uint32_t hull = set_up(t, (chunk.flags.x & CHUNK_CULL_BACK) != 0, is_mirrored, record);
   if (hull == 0 || !in_band(record)) return 0;
   record.hull2_id.z = first_index;
   record.hull2_id.w = chunk.range.z;
@@ -341,16 +361,16 @@ std::uint32_t TriangleSetup::set_up_whole(const ClipTriangle& t, const ChunkReco
 enum class Place { outside, whole, crossing };
 
 Place place_of(const TriangleSetup& setup, const ClipTriangle& t) {
-  std::uint32_t outside_any = 0, outside_all = 63;
-  for (const vec4& c : t.corner) {
-    if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z) || !std::isfinite(c.w)) return Place::outside;
-    std::uint32_t code = c.w > 0.0F ? 0U : 64U;
-    for (std::uint32_t plane = 0; plane < 6; ++plane)
-      code |= setup.plane_distance(plane, c) >= 0.0F ? 0U : 1U << plane;
-    outside_any |= code;
-    outside_all &= code;
+  // Zero, or no number where one of them is none or infinite.
+  const Lanes none = (t.x - t.x) + (t.y - t.y) + (t.z - t.z) + (t.w - t.w);
+  if (signs(none != none) != 0) return Place::outside;
+  LaneBits outside_any = ~(t.w > all(0.0F));
+  for (std::uint32_t plane = 0; plane < 6; ++plane) {
+    const LaneBits outside = ~(setup.plane_distance(plane, t.x, t.y, t.z, t.w) >= all(0.0F));
+    if (signs(outside) == 0xf) return Place::outside;
+    outside_any |= outside;
   }
-  return outside_all != 0 ? Place::outside : outside_any == 0 ? Place::whole : Place::crossing;
+  return signs(outside_any) == 0 ? Place::whole : Place::crossing;
 }
 
 // Calls `piece(number, record)` for the pieces of a clipped triangle that are drawn; returns how many they are.
@@ -360,7 +380,7 @@ std::uint32_t clip(const TriangleSetup& setup, const HostSetupInput& input, std:
   const std::uint32_t first_index = chunk.range.x + 3 * (slot % SUBPIXEL_CHUNK_TRIANGLES);
   const ClipTriangle t = setup.source(first_index, chunk.range.z);
   constexpr std::uint32_t kMaxCorners = 9;
-  std::array<vec4, kMaxCorners> corners{t.corner[0], t.corner[1], t.corner[2]}, next{};
+  std::array<vec4, kMaxCorners> corners{t.corner(0), t.corner(1), t.corner(2)}, next{};
   std::uint32_t count = 3;
   for (std::uint32_t plane = 0; plane < 6; ++plane) {
     std::uint32_t kept = 0;
@@ -381,7 +401,7 @@ std::uint32_t clip(const TriangleSetup& setup, const HostSetupInput& input, std:
   for (std::uint32_t k = 2; k < count; ++k) {
     if (!(corners[0].w > 0.0F && corners[k - 1].w > 0.0F && corners[k].w > 0.0F)) continue;
     TriangleRecord record;
-    const std::uint32_t hull = setup.set_up(corners[0], corners[k - 1], corners[k],
+    const std::uint32_t hull = setup.set_up({corners[0], corners[k - 1], corners[k]},
                                             (chunk.flags.x & CHUNK_CULL_BACK) != 0, is_mirrored, record);
     if (hull == 0) continue;
     if (hull == 1) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "replay/frontend/list_passes.hpp"
 
@@ -14,12 +15,16 @@ constexpr const char* kPass = "visibility";
 // Entries of a list for devices that end long loops (runs_long_loops()): an entry takes up to two turns.
 constexpr std::uint64_t kMostEntries = 30'000;
 
-// Layers of the image that group `g` has, its depths before its triangles.
-struct Layers {
-  std::uint32_t first, count;
-};
-Layers layers_of(std::uint32_t group, std::uint32_t g) {
-  return group < 4 ? Layers{0, 1} : Layers{g * group / 2, group / 2};
+// Layers of the image of `samples` that group `g` of them, `group` at a time, has: its depths', then its triangles'. They lie as
+// visibility.glsl reads them, however many are drawn at a time.
+std::vector<std::uint32_t> layers_of(std::uint32_t samples, std::uint32_t group, std::uint32_t g) {
+  if (group < 4) return {0};
+  const std::uint32_t together = std::min(samples, 16u) / 4, quads = group / 4;
+  std::vector<std::uint32_t> layers;
+  for (const std::uint32_t half : {0u, 1u})
+    for (std::uint32_t quad = g * quads; quad < (g + 1) * quads; ++quad)
+      layers.push_back((2 * (quad / together) + half) * together + quad % together);
+  return layers;
 }
 
 // Lists of the small triangles that may touch each block of pixels (list_small.comp).
@@ -88,14 +93,14 @@ void record_small_triangles(gpu::PassRecorder& recorder, const FrontendFrame& fr
   pass.name = kPass;
   pass.pipeline.vertex = "shade/fullscreen.vert";
   pass.pipeline.fragment = "frontend/visibility_small.frag:" + std::to_string(group);
+  if (!recorder.device().info().fragment_subgroups) pass.pipeline.fragment += "_BY_LANE";
   pass.pipeline.constants = frame.frontend.constants();
   pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, g);
   pass.bindings = {gpu::reads(FRONTEND_SLOT_SMALL_TRIANGLES, *lists.triangles),
                    gpu::reads(FRONTEND_SLOT_BLOCK_ENDS, *lists.ends),
                    gpu::reads(FRONTEND_SLOT_BLOCK_LISTS, *lists.listed)};
   pass.push = gpu::PushConstants(push);
-  const Layers layers = layers_of(group, g);
-  for (std::uint32_t i = 0; i < layers.count; ++i) pass.colours.emplace_back(image, layers.first + i);
+  for (const std::uint32_t layer : layers_of(frame.frontend.samples(), group, g)) pass.colours.emplace_back(image, layer);
   recorder.raster(std::move(pass));
 }
 
@@ -129,13 +134,13 @@ void record_unordered(gpu::PassRecorder& recorder, const FrontendFrame& frame, g
       gpu_types::NearestPush{.nearest = {gather.reads(*depths), gather.reads(*slots), gather.reads(*records)},
                              .width = frame.width,
                              .height = frame.height});
-  const Layers layers = layers_of(group, g);
-  for (std::uint32_t i = 0; i < layers.count; ++i) gather.colours.emplace_back(image, layers.first + i);
+  for (const std::uint32_t layer : layers_of(frame.frontend.samples(), group, g))
+    gather.colours.emplace_back(image, layer);
   recorder.raster(std::move(gather));
 }
 
 void record_unordered(gpu::PassRecorder& recorder, const FrontendFrame& frame, gpu::Image& image) {
-  const std::uint32_t samples = frame.frontend.samples(), group = visibility_group(samples);
+  const std::uint32_t samples = frame.frontend.samples(), group = visibility_group(frame.frontend);
   const std::uint64_t bytes = std::uint64_t{frame.width} * frame.height * group * 4;
   const std::array<gpu::Buffer*, 3> words{&recorder.buffer("nearest depths", bytes),
                                           &recorder.buffer("nearest triangles", bytes),
@@ -147,8 +152,8 @@ void record_unordered(gpu::PassRecorder& recorder, const FrontendFrame& frame, g
 
 }  // namespace
 
-std::uint32_t visibility_group(std::uint32_t samples) {
-  return std::min(samples, 16u);
+std::uint32_t visibility_group(const Frontend& frontend) {
+  return std::min(frontend.samples(), frontend.device().info().eight_attachments ? 16u : 8u);
 }
 
 bool small_lists_pay(const Frontend& frontend, std::uint64_t pixels) {
@@ -174,7 +179,8 @@ gpu::Image& visibility_image(gpu::PassRecorder& recorder, const FrontendFrame& f
        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
 }
 
-void attach_visibility(gpu::RasterPass& pass, gpu::Image& image, std::uint32_t group, std::uint32_t g) {
+void attach_visibility(gpu::RasterPass& pass, const Frontend& frontend, gpu::Image& image, std::uint32_t g) {
+  const std::uint32_t group = visibility_group(frontend);
   constexpr std::uint32_t kNone = SUBPIXEL_NO_TRIANGLE;
   pass.pipeline.targets.ordered_read = true;
   pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, g);
@@ -183,17 +189,17 @@ void attach_visibility(gpu::RasterPass& pass, gpu::Image& image, std::uint32_t g
     pass.clear_colours = {{0, group == 1 ? kNone : 0, kNone, kNone}};
     return;
   }
-  const Layers layers = layers_of(group, g);
-  for (std::uint32_t layer = 0; layer < layers.count; ++layer) {
-    pass.colours.emplace_back(image, layers.first + layer);
-    pass.clear_colours.push_back(layer < layers.count / 2 ? std::array<std::uint32_t, 4>{}
-                                                          : std::array<std::uint32_t, 4>{kNone, kNone, kNone, kNone});
+  const std::vector<std::uint32_t> layers = layers_of(frontend.samples(), group, g);
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    pass.colours.emplace_back(image, layers[i]);
+    pass.clear_colours.push_back(i < layers.size() / 2 ? std::array<std::uint32_t, 4>{}
+                                                       : std::array<std::uint32_t, 4>{kNone, kNone, kNone, kNone});
   }
 }
 
 gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrontendFrame& frame) {
   const std::uint32_t samples = frame.frontend.samples();
-  const std::uint32_t group = visibility_group(samples);
+  const std::uint32_t group = visibility_group(frame.frontend);
   gpu::Image& image = visibility_image(recorder, frame);
   if (!recorder.device().info().ordered_attachments) {
     record_unordered(recorder, frame, image);
@@ -213,7 +219,7 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrontendFrame& 
     pass.pipeline.constants = {{CONSTANT_ALPHA_MODE, static_cast<std::uint32_t>(frame.alpha)},
                                {FRONTEND_CONSTANT_AFTER_SMALL, lists ? 1 : 0}};
     pass.pipeline.targets.clear = !lists;
-    attach_visibility(pass, image, group, g);
+    attach_visibility(pass, frame.frontend, image, g);
     frame.frontend.record_geometry(recorder, std::move(geometry));
   }
   return image;

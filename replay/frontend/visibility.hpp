@@ -22,10 +22,10 @@ gpu::Image& record_visibility(gpu::PassRecorder& recorder, const FrontendFrame& 
 // The image by itself, not filled.
 gpu::Image& visibility_image(gpu::PassRecorder& recorder, const FrontendFrame& frame);
 // Makes its layers of sample group `g` the attachments of `pass`, whose shader includes nearest_samples.glsl with
-// GROUP = `group` samples.
-void attach_visibility(gpu::RasterPass& pass, gpu::Image& image, std::uint32_t group, std::uint32_t g);
+// GROUP = visibility_group().
+void attach_visibility(gpu::RasterPass& pass, const Frontend& frontend, gpu::Image& image, std::uint32_t g);
 
-// Samples in one pass of visibility.frag for an n-sample pattern.
-std::uint32_t visibility_group(std::uint32_t samples);
+// Samples in one pass of visibility.frag: up to 16, or 8 where the device has but four colour attachments.
+std::uint32_t visibility_group(const Frontend& frontend);
 
 }  // namespace subpixel::replay

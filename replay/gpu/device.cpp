@@ -75,12 +75,6 @@ struct FeatureNeed {
   VkBool32& (*get)(Features&);
 };
 constexpr FeatureNeed kNeeds[] = {
-    {"shaderFloat64", [](Features& f) -> VkBool32& { return f.core.features.shaderFloat64; }},
-    {"fragmentStoresAndAtomics", [](Features& f) -> VkBool32& { return f.core.features.fragmentStoresAndAtomics; }},
-    {"multiDrawIndirect", [](Features& f) -> VkBool32& { return f.core.features.multiDrawIndirect; }},
-    {"drawIndirectFirstInstance", [](Features& f) -> VkBool32& { return f.core.features.drawIndirectFirstInstance; }},
-    {"independentBlend", [](Features& f) -> VkBool32& { return f.core.features.independentBlend; }},
-    {"depthClamp", [](Features& f) -> VkBool32& { return f.core.features.depthClamp; }},
     {"bufferDeviceAddress", [](Features& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
     {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
     {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},  // LocalSizeId, which glslang emits
@@ -112,11 +106,46 @@ bool has_pixel_interlock(VkPhysicalDevice physical) {
   return available.interlock.fragmentShaderPixelInterlock == VK_TRUE;
 }
 
-std::vector<std::string> missing_needs(VkPhysicalDevice physical) {
+template <VkBool32 VkPhysicalDeviceFeatures::*feature>
+bool has_feature(VkPhysicalDevice physical) {
+  VkPhysicalDeviceFeatures available;
+  vkGetPhysicalDeviceFeatures(physical, &available);
+  return available.*feature == VK_TRUE;
+}
+
+bool has_fragment_subgroups(VkPhysicalDevice physical) {
   VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
-  VkPhysicalDeviceProperties2 both{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroups};
-  vkGetPhysicalDeviceProperties2(physical, &both);
-  const VkPhysicalDeviceProperties& properties = both.properties;
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroups};
+  vkGetPhysicalDeviceProperties2(physical, &properties);
+  constexpr VkSubgroupFeatureFlags kWanted = VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT;
+  return (subgroups.supportedOperations & kWanted) == kWanted &&
+         (subgroups.supportedStages & VK_SHADER_STAGE_FRAGMENT_BIT) != 0;
+}
+
+bool has_eight_attachments(VkPhysicalDevice physical) {
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(physical, &properties);
+  return properties.limits.maxColorAttachments >= 8 && properties.limits.maxFragmentOutputAttachments >= 8;
+}
+
+// What some passes need, and where the device's description says that it is there and used.
+struct NeedOfParts {
+  const char* name;
+  bool (*is_there)(VkPhysicalDevice);
+  bool DeviceInfo::*used;
+};
+constexpr NeedOfParts kNeedsOfParts[] = {
+    {kOrderedAttachments, has_ordered_attachments, &DeviceInfo::ordered_attachments},
+    {kPixelInterlock, has_pixel_interlock, &DeviceInfo::pixel_interlock},
+    {kDoubles, has_feature<&VkPhysicalDeviceFeatures::shaderFloat64>, &DeviceInfo::doubles},
+    {kFragmentStores, has_feature<&VkPhysicalDeviceFeatures::fragmentStoresAndAtomics>, &DeviceInfo::fragment_stores},
+    {kFragmentSubgroups, has_fragment_subgroups, &DeviceInfo::fragment_subgroups},
+    {kEightAttachments, has_eight_attachments, &DeviceInfo::eight_attachments},
+};
+
+std::vector<std::string> missing_needs(VkPhysicalDevice physical) {
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(physical, &properties);
   if (properties.apiVersion < VK_API_VERSION_1_3) return {"Vulkan 1.3"};
   std::vector<std::string> missing;
   for (const char* wanted : kRequiredExtensions)
@@ -125,11 +154,6 @@ std::vector<std::string> missing_needs(VkPhysicalDevice physical) {
   vkGetPhysicalDeviceFeatures2(physical, &available.core);
   for (const auto& need : kNeeds)
     if (!need.get(available)) missing.emplace_back(need.name);
-  if (properties.limits.maxColorAttachments < 8) missing.emplace_back("8 colour attachments");
-  constexpr VkSubgroupFeatureFlags kSubgroups = VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT;
-  if ((subgroups.supportedOperations & kSubgroups) != kSubgroups ||
-      (subgroups.supportedStages & VK_SHADER_STAGE_FRAGMENT_BIT) == 0)
-    missing.emplace_back("votes and ballots in subgroups of fragments");
   return missing;
 }
 
@@ -199,7 +223,9 @@ std::vector<VulkanDevice> vulkan_devices() {
   for (VkPhysicalDevice device : physical_devices(instance.get())) {
     VulkanDevice& listed =
         found.emplace_back(VulkanDevice{device_name(device), is_lavapipe(device), missing_needs(device), {}});
-    if (listed.missing.empty() && !has_ordered_attachments(device)) listed.slower.emplace_back(kOrderedAttachments);
+    if (!listed.missing.empty()) continue;
+    for (const NeedOfParts& need : kNeedsOfParts)
+      if (!need.is_there(device)) listed.missing_in_part.emplace_back(need.name);
   }
   return found;
 }
@@ -242,12 +268,9 @@ void Device::choose_physical(const DeviceOptions& options) {
   info_.max_storage_buffer_range = core.limits.maxStorageBufferRange;
   info_.max_buffer_size = maintenance3.maxMemoryAllocationSize;
   info_.max_image_dimension = core.limits.maxImageDimension2D;
-  const auto wanted = [&](const char* need) {
-    return std::ranges::find(options.without, need) == options.without.end();
-  };
-  info_.ordered_attachments = wanted(kOrderedAttachments) && has_ordered_attachments(physical_);
-  info_.pixel_interlock = wanted(kPixelInterlock) && has_pixel_interlock(physical_);
-  info_.doubles = true;
+  for (const NeedOfParts& need : kNeedsOfParts)
+    info_.*need.used =
+        std::ranges::find(options.without, need.name) == options.without.end() && need.is_there(physical_);
   timestamp_period_ns_ = core.limits.timestampPeriod;
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 }
@@ -270,6 +293,8 @@ void Device::create_device() {
   queue.pQueuePriorities = &priority;
   Features enabled;
   for (const auto& need : kNeeds) need.get(enabled) = VK_TRUE;
+  enabled.core.features.shaderFloat64 = info_.doubles ? VK_TRUE : VK_FALSE;
+  enabled.core.features.fragmentStoresAndAtomics = info_.fragment_stores ? VK_TRUE : VK_FALSE;
   VkDeviceCreateInfo create{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &enabled.core};
   create.queueCreateInfoCount = 1;
   create.pQueueCreateInfos = &queue;

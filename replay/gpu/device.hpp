@@ -21,8 +21,8 @@ struct DeviceOptions {
   std::string device;
   // The folder all shaders are read from instead of the embedded ones (ShaderLibrary); empty: those.
   std::filesystem::path shaders = shader_folder_of_environment();
-  // Of kOrderedAttachments and kPixelInterlock, those that are left alone though the device has them, so that a test
-  // takes the other path.
+  // Of the needs of parts (kOrderedAttachments and so on), those that are left alone though the device has them, so that
+  // a test takes the other path.
   std::vector<std::string> without;
   bool names = false;  // of buffers, images, pipelines and passes reach Vulkan, for RenderDoc and layers
   // Turns the Khronos validation layer on, and names, and takes what it says until the device has ended (Instance).
@@ -35,23 +35,31 @@ struct DeviceInfo {
   VkDeviceSize max_storage_buffer_range = 0;
   VkDeviceSize max_buffer_size = 0;
   std::uint32_t max_image_dimension = 0;
-  // VK_EXT_rasterization_order_attachment_access: visibility in one geometry pass, and the ordered passes of
-  // techniques.
+  // What only some passes need, by the names below.
   bool ordered_attachments = false;
-  bool doubles = false;          // shaderFloat64: set-up on the device
-  bool pixel_interlock = false;  // VK_EXT_fragment_shader_interlock: ordered passes use it for state in buffers
+  bool pixel_interlock = false;
+  bool doubles = false;
+  bool fragment_stores = false;
+  bool fragment_subgroups = false;
+  bool eight_attachments = false;  // else four
 };
 
 // A device that Vulkan has, in the order of its loader.
 struct VulkanDevice {
   std::string name;
   bool is_lavapipe = false;
-  std::vector<std::string> missing;  // of what passes need
-  std::vector<std::string> slower;   // of what some passes do otherwise without
+  std::vector<std::string> missing;          // of what all passes need
+  std::vector<std::string> missing_in_part;  // of what only some passes need
 };
-// The features that only some passes need, each of which has another way or says that it has none.
+// What only some passes need: these take another way without, to the same bits, or refuse the device by name.
+// VK_EXT_rasterization_order_attachment_access: visibility in one geometry pass; the ordered passes of techniques.
 inline constexpr const char* kOrderedAttachments = "rasterizationOrderColorAttachmentAccess";
+// VK_EXT_fragment_shader_interlock: ordered passes use it for state in buffers.
 inline constexpr const char* kPixelInterlock = "fragmentShaderPixelInterlock";
+inline constexpr const char* kDoubles = "shaderFloat64";                    // set-up; else the host's threads do it
+inline constexpr const char* kFragmentStores = "fragmentStoresAndAtomics";  // lists, counters
+inline constexpr const char* kFragmentSubgroups = "votes and ballots in subgroups of fragments";  // small triangles
+inline constexpr const char* kEightAttachments = "8 colour attachments";  // 16 samples at a time; else 8
 
 // Throws DeviceError when there is no Vulkan or no device.
 std::vector<VulkanDevice> vulkan_devices();

@@ -55,8 +55,8 @@ void DrawEncoder::draw_indexed(std::uint32_t indices, std::uint32_t instances, s
                                std::uint32_t first_instance) {
   vkCmdDrawIndexed(commands_, indices, instances, first_index, 0, first_instance);
 }
-void DrawEncoder::draw_indexed_indirect(const Buffer& buffer, VkDeviceSize offset, std::uint32_t draws) {
-  vkCmdDrawIndexedIndirect(commands_, buffer.handle(), offset, draws, sizeof(VkDrawIndexedIndirectCommand));
+void DrawEncoder::draw_indexed_indirect(const Buffer& buffer, VkDeviceSize offset) {
+  vkCmdDrawIndexedIndirect(commands_, buffer.handle(), offset, 1, sizeof(VkDrawIndexedIndirectCommand));
 }
 void DrawEncoder::viewport(float x, float y, float width, float height) {
   const VkViewport viewport{x, y, width, height, 0, 1};
@@ -350,13 +350,31 @@ VkFramebuffer PassRecorder::framebuffer(const RasterPass& pass, VkRenderPass ren
   return made.get();
 }
 
+namespace {
+
+// Does it write to buffers or to images that are no attachments?
+bool stores(const RasterPass& pass) {
+  return std::ranges::any_of(pass.addressed, &AddressedUse::is_written) ||
+         std::ranges::any_of(pass.bindings, [](const Binding& binding) {
+           return binding.kind == Binding::Kind::storage_write || binding.kind == Binding::Kind::image_write;
+         });
+}
+
+void require_parts(const DeviceInfo& info, const RasterPass& pass) {
+  const char* missing = nullptr;
+  if (pass.pipeline.targets.ordered_read && !info.ordered_attachments) missing = kOrderedAttachments;
+  if (stores(pass) && !info.fragment_stores) missing = kFragmentStores;
+  if (pass.colours.size() > 4 && !info.eight_attachments) missing = kEightAttachments;
+  if (missing == nullptr) return;
+  throw DeviceError("device", fmt::format("{} has no {}, which the pass needs", info.device, missing),
+                    "pass " + pass.name);
+}
+
+}  // namespace
+
 void PassRecorder::raster(RasterPass pass) {
+  require_parts(device_.info(), pass);
   const bool ordered = pass.pipeline.targets.ordered_read;
-  if (ordered && !device_.info().ordered_attachments)
-    throw DeviceError("device",
-                      fmt::format("{} has no {}, without which the pass has no order of fragments",
-                                  device_.info().device, kOrderedAttachments),
-                      "pass " + pass.name);
   SuppliedInterface supplied;
   supplied.push_bytes = pass.push.size;
   supplied.material = static_cast<bool>(pass.draws);  // bound between the draws

@@ -117,7 +117,7 @@ class DrawEncoder {
             std::uint32_t first_instance = 0);
   void draw_indexed(std::uint32_t indices, std::uint32_t instances, std::uint32_t first_index,
                     std::uint32_t first_instance);
-  void draw_indexed_indirect(const Buffer& buffer, VkDeviceSize offset, std::uint32_t draws);
+  void draw_indexed_indirect(const Buffer& buffer, VkDeviceSize offset);  // one draw
   void viewport(float x, float y, float width, float height);
 
  private:

@@ -211,7 +211,6 @@ void make_raster(VkDevice device, VkPipelineLayout layout, VkRenderPass render_p
   rasterization.cullMode = description.cull;
   rasterization.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
   rasterization.lineWidth = 1;
-  rasterization.depthClampEnable = description.depth_clamp;
   rasterization.depthBiasEnable = description.depth_bias != 0 || description.depth_bias_slope != 0;
   rasterization.depthBiasConstantFactor = description.depth_bias;
   rasterization.depthBiasSlopeFactor = description.depth_bias_slope;

@@ -55,7 +55,6 @@ struct RasterDescription {
   bool depth_write = false;
   VkCullModeFlags cull = VK_CULL_MODE_NONE;
   bool additive = false;  // colour = source + destination, all attachments
-  bool depth_clamp = false;
   float depth_bias = 0, depth_bias_slope = 0;
   // NOLINTNEXTLINE(modernize-use-nullptr): as above
   auto operator<=>(const RasterDescription&) const = default;

@@ -40,8 +40,9 @@ struct Work {
   TextureTable textures;
 };
 
-// Of every pass.
-gpu_types::ReferencePush push_of(gpu::AddressUses& pass, GpuScene& scene, Work& work) {
+// Of every pass; `sums`: of one that adds to them.
+gpu_types::ReferencePush push_of(gpu::AddressUses& pass, GpuScene& scene, Work& work, bool sums) {
+  const auto sum = [&](gpu::Buffer& buffer) { return sums ? pass.writes(buffer) : 0; };
   return {.corners = pass.reads(work.corners),
           .triangles = pass.reads(work.triangles),
           .indices = pass.reads(scene.indices),
@@ -50,9 +51,9 @@ gpu_types::ReferencePush push_of(gpu::AddressUses& pass, GpuScene& scene, Work& 
           .tangents = pass.reads(scene.tangents),
           .instances = pass.reads(scene.instances),
           .texels = pass.reads(work.textures.texels),
-          .sums = pass.writes(work.sums),
-          .compensation = pass.writes(work.compensation),
-          .display_sums = pass.writes(work.display_sums),
+          .sums = sum(work.sums),
+          .compensation = sum(work.compensation),
+          .display_sums = sum(work.display_sums),
           .second_uvs = pass.reads(scene.second_uvs),
           .colours = pass.reads(scene.colours)};
 }
@@ -80,7 +81,7 @@ gpu::RasterPass visibility_pass(GpuScene& scene, Work& work, gpu::Image& seen, g
   pass.clear_colours = {{0, 0, 0, 0}};
   pass.clear_depth = 0;
   pass.bindings = bindings_of(scene, work);
-  pass.push = gpu::PushConstants(push_of(pass, scene, work));
+  pass.push = gpu::PushConstants(push_of(pass, scene, work, false));
   pass.alternatives = {pass.pipeline};
   pass.alternatives[0].fragment = "reference/visibility.frag:TESTED";
   pass.draws = [&work](gpu::DrawEncoder& encoder) {
@@ -106,7 +107,7 @@ gpu::ComputePass pixel_pass(const char* name, const char* shader, GpuScene& scen
   pass.bindings = bindings_of(scene, work);
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_SPOT_CONES, scene.spot_cones));
   pass.bindings.push_back(gpu::reads(FRAME_SLOT_LIGHT_CELLS, scene.light_cells));
-  pass.push = gpu::PushConstants(push_of(pass, scene, work));
+  pass.push = gpu::PushConstants(push_of(pass, scene, work, true));
   const auto& size = scene.constants().viewport;
   pass.groups = {groups(static_cast<std::uint32_t>(size.x)), groups(static_cast<std::uint32_t>(size.y)), 1};
   return pass;

@@ -9,15 +9,19 @@
 namespace subpixel::replay {
 namespace {
 
-// Indirect commands [first, first + count) of one cascade.
+// Draws [first, first + count) of one cascade.
 struct CasterBatch {
   bool tested = false;
   std::uint32_t material = 0;  // of tested ones
   std::uint32_t first = 0, count = 0;
 };
 
+struct CasterDraw {
+  std::uint32_t indices, first_index, first_instance, instances;
+};
+
 struct Casters {
-  std::vector<VkDrawIndexedIndirectCommand> commands;
+  std::vector<CasterDraw> draws;
   std::array<std::vector<CasterBatch>, SUBPIXEL_SHADOW_CASCADES> batches;
 };
 
@@ -28,7 +32,7 @@ bool casts_into(const Bounds& bounds, const glm::dmat4& world_to_clip) {
   return !seen.empty() && seen.low.x <= 1 && seen.high.x >= -1 && seen.low.y <= 1 && seen.high.y >= -1;
 }
 
-// One command for each run of neighbouring instances; those without alpha test first, as one batch.
+// One draw for each run of neighbouring instances; those without alpha test first, as one batch.
 Casters select_casters(const GpuScene& scene, const std::vector<Bounds>& instance_bounds, const ShadowFit& fit) {
   Casters casters;
   for (std::size_t c = 0; c < fit.cascades.size(); ++c) {
@@ -38,15 +42,15 @@ Casters select_casters(const GpuScene& scene, const std::vector<Bounds>& instanc
     for (const bool tested : {false, true}) {
       for (const auto& draw : scene.draws()) {
         if (scene.alpha_tested(draw.material) != tested) continue;
-        const auto first = static_cast<std::uint32_t>(casters.commands.size());
+        const auto first = static_cast<std::uint32_t>(casters.draws.size());
         bool in_run = false;
         for (std::uint32_t i = draw.first_instance; i < draw.first_instance + draw.instance_count; ++i) {
           const bool casts = casts_into(instance_bounds[i], to_clip);
-          if (casts && !in_run) casters.commands.push_back({3 * draw.triangle_count, 0, draw.first_index, 0, i});
-          if (casts) ++casters.commands.back().instanceCount;
+          if (casts && !in_run) casters.draws.push_back({3 * draw.triangle_count, draw.first_index, i, 0});
+          if (casts) ++casters.draws.back().instances;
           in_run = casts;
         }
-        const auto count = static_cast<std::uint32_t>(casters.commands.size()) - first;
+        const auto count = static_cast<std::uint32_t>(casters.draws.size()) - first;
         if (count == 0) continue;
         const bool joins = !batches.empty() && batches.back().tested == tested &&
                            (!tested || batches.back().material == draw.material);
@@ -66,10 +70,6 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<B
                        const ShadowFit& fit) {
   const Casters casters = select_casters(scene, instance_bounds, fit);
   gpu::PassRecorder recorder(device);
-  gpu::Buffer& commands =
-      recorder.buffer("shadow draws", casters.commands.size() * sizeof(VkDrawIndexedIndirectCommand));
-  std::copy(casters.commands.begin(), casters.commands.end(), commands.as<VkDrawIndexedIndirectCommand>().begin());
-
   gpu::RasterPass pass;
   pass.name = "shadow map";
   pass.pipeline.vertex = "scene/shadow.vert:SOLID";
@@ -85,7 +85,7 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<B
   pass.clear_depth = 1;
   pass.bindings = {gpu::uniform(scene.frame_constants), gpu::reads(FRAME_SLOT_MATERIALS, scene.materials),
                    gpu::reads(FRAME_SLOT_UV_MAPPINGS, scene.uv_mappings)};
-  pass.indices_and_indirect = {&scene.indices, &commands};
+  pass.indices_and_indirect = {&scene.indices};
   const std::uint64_t uvs = pass.reads(scene.uvs), second_uvs = pass.reads(scene.second_uvs);
   gpu_types::ShadowPush push{.world_to_clip = glm::mat4(1),
                              .positions = pass.reads(scene.positions),
@@ -106,7 +106,10 @@ void render_shadow_map(gpu::Device& device, GpuScene& scene, const std::vector<B
         push.material = batch.material;
         push.uvs = scene.second_uv_of_base(batch.material) ? second_uvs : uvs;
         encoder.push(gpu::PushConstants(push));
-        encoder.draw_indexed_indirect(commands, batch.first * sizeof(VkDrawIndexedIndirectCommand), batch.count);
+        for (std::uint32_t i = batch.first; i < batch.first + batch.count; ++i) {
+          const CasterDraw& draw = casters.draws[i];
+          encoder.draw_indexed(draw.indices, draw.instances, draw.first_index, draw.first_instance);
+        }
       }
     }
   };

@@ -173,7 +173,7 @@ void record_story(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dc
 void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const DcaaForm& form, const Resources& r) {
   gpu::RasterPass pass = fullscreen_pass(setup, "maps", "techniques/dcaa/maps.frag:" + r.state.variant());
   gpu::append(pass.pipeline.constants, constants_of(form));
-  pass.colours =
+  const std::vector<gpu::Attachment> images =
       make_maps(recorder, setup, {"surfaces", "first_merges", "second_merges", "discards", "leaks", "table_errors"});
   r.state.bind(pass);
 
@@ -185,7 +185,7 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dca
   geometry.pass.pipeline.constants = common_constants(setup);
   gpu::append(geometry.pass.pipeline.constants, constants_of(form));
   geometry.pass.bindings = {gpu::reads(DCAA_SLOT_TABLE, *r.table)};
-  recorder.host(once([setup, geometry, pass] {
+  recorder.host(once([setup, geometry, pass, images] {
     gpu::PassRecorder own(setup.frontend.device());
     gpu::Buffer& found = own.buffer("dcaa found", padded_pixels(setup) * 16);
     own.fill(geometry.pass.name, found, 0);
@@ -196,9 +196,13 @@ void record_maps(gpu::PassRecorder& recorder, const FrameSetup& setup, const Dca
     examine.rasterise_frame = true;
     examine.pass.bindings.push_back(gpu::writes(DCAA_SLOT_FOUND, address));
     setup.frontend.record_geometry(own, std::move(examine));
-    gpu::RasterPass maps = pass;
-    maps.bindings.push_back(gpu::reads(DCAA_SLOT_FOUND, address));
-    own.raster(std::move(maps));
+    for (std::uint32_t first = 0; first < images.size(); first += DCAA_MAPS_AT_A_TIME) {
+      gpu::RasterPass maps = pass;
+      maps.pipeline.constants.emplace_back(DCAA_CONSTANT_FIRST_MAP, first);
+      maps.colours.assign(images.begin() + first, images.begin() + first + DCAA_MAPS_AT_A_TIME);
+      maps.bindings.push_back(gpu::reads(DCAA_SLOT_FOUND, address));
+      own.raster(std::move(maps));
+    }
     own.run();
     std::uint64_t decisions = 0;
     const auto words = found.as<glm::uvec4>().first(std::size_t{setup.width} * setup.height);

@@ -71,7 +71,7 @@ SampleImages record_gbuffer_in_order(gpu::PassRecorder& recorder, const FrameSet
                       VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true});
   gpu::Buffer& written = recorder.buffer("fragments written", std::uint64_t{setup.width} * setup.height * 4);
   recorder.fill("gbuffer", written, 0);
-  const std::uint32_t group = visibility_group(setup.samples);
+  const std::uint32_t group = visibility_group(setup.frontend);
   for (std::uint32_t g = 0; g < setup.samples / group; ++g) {
     Frontend::GeometryPass geometry;
     geometry.by_material = true;
@@ -81,7 +81,7 @@ SampleImages record_gbuffer_in_order(gpu::PassRecorder& recorder, const FrameSet
     pass.pipeline.constants = common_constants(setup);
     pass.pipeline.constants.emplace_back(FRONTEND_CONSTANT_AFTER_SMALL, 0);
     pass.pipeline.targets.clear = true;
-    attach_visibility(pass, visibility, group, g);
+    attach_visibility(pass, setup.frontend, visibility, g);
     pass.bindings = {gpu::image_writes(DEFERRED_SLOT_SAMPLES, gbuffer), gpu::writes(DEFERRED_SLOT_WRITTEN, written)};
     setup.frontend.record_geometry(recorder, std::move(geometry));
   }

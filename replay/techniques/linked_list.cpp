@@ -69,6 +69,10 @@ void bind(Pass& pass, const Lists& lists) {
   pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, *lists.visibility));
   pass.bindings.push_back(gpu::writes(LINK_SLOT_POOL, *lists.pool));
 }
+void bind(gpu::RasterPass& pass, const Lists& lists) {  // which only reads
+  pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, *lists.visibility));
+  pass.bindings.push_back(gpu::reads(LINK_SLOT_POOL, *lists.pool));
+}
 
 gpu::RasterPass list_pass(const LinkedListSetup& setup, const Lists& lists, std::string name, std::string fragment) {
   gpu::RasterPass pass = fullscreen_pass(setup, std::move(name), std::move(fragment));

@@ -48,7 +48,8 @@ void OrderedState::bind(gpu::RasterPass& pass) const {
 OrderedState make_ordered_state(gpu::PassRecorder& recorder, const FrameSetup& setup, const std::string& name,
                                 std::uint32_t quads, bool in_buffer) {
   OrderedState state;
-  if (quads <= ORDERED_MOST_ATTACHMENTS && !in_buffer && recorder.device().info().ordered_attachments) {
+  const std::uint32_t most = recorder.device().info().eight_attachments ? ORDERED_MOST_ATTACHMENTS : 4u;
+  if (quads <= most && !in_buffer && recorder.device().info().ordered_attachments) {
     state.image = &target_array(recorder, setup, name, VK_FORMAT_R32G32B32A32_UINT,
                                 std::max<std::uint32_t>(quads, ORDERED_FEWEST_ATTACHMENTS));
   } else {

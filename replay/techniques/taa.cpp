@@ -55,7 +55,6 @@ void record_accumulate(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
   pass.colours = make_outputs(recorder, setup);
   pass.colours.emplace_back(history);
   pass.colours.emplace_back(depth);
-  for (const gpu::Attachment& map : make_maps(recorder, setup, {"rejected", "clipped"})) pass.colours.push_back(map);
   pass.bindings.push_back(gpu::samples(FRAME_SLOT_VISIBILITY, visibility));
   pass.bindings.push_back(gpu::samples(TAA_SLOT_VALUES, values));
   // The first frame reads none: its own values stand in the slots.
@@ -84,6 +83,11 @@ void record_accumulate(gpu::PassRecorder& recorder, const Setup& setup, gpu::Ima
       return taa_filter(PixelStory::log_of<gpu_types::TaaStory>(log).front(), push, story.pixel());
     });
   }
+  gpu::RasterPass maps = pass;
+  maps.name = "maps";
+  maps.pipeline.fragment = "techniques/taa/accumulate.frag:MAPS";
+  maps.colours = make_maps(recorder, setup, {"rejected", "clipped"});
+  recorder.host(once(run_pass(recorder.device(), std::move(maps))));
   recorder.raster(std::move(pass));
   setup.outputs.history = {&history, &depth};
   setup.outputs.frame_counters["unmatched_instances"] = motion.unmatched;

@@ -2,12 +2,14 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
+// variants: 1=-DGROUP=1 2=-DGROUP=2 4=-DGROUP=4 8=-DGROUP=8 16=-DGROUP=16 1_BY_LANE=-DGROUP=1,-DBY_LANE 2_BY_LANE=-DGROUP=2,-DBY_LANE 4_BY_LANE=-DGROUP=4,-DBY_LANE 8_BY_LANE=-DGROUP=8,-DBY_LANE 16_BY_LANE=-DGROUP=16,-DBY_LANE
+#ifndef BY_LANE
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
-// variants: 1=-DGROUP=1 2=-DGROUP=2 4=-DGROUP=4 8=-DGROUP=8 16=-DGROUP=16
+#endif
 // Visibility of small triangles: each pixel goes through the list of its block (list_small.comp), in any order: the nearest
 // triangle stays, of equal depths the first submitted, which is the one with the smaller number, since small triangles are whole and
-// have the records of their slots.
+// have the records of their slots. BY_LANE does without subgroups.
 // Reads: lists by block, small triangles. Writes: the attachments, as visibility.frag does.
 #include "include/coverage.glsl"
 #include "frontend/frontend_interface.h"
@@ -28,6 +30,7 @@ layout(location = 0) out uvec4 out_texels[GROUP / 2];
 const uint kQuads = (GROUP + 3) / 4;
 const uint kWords = 16u;  // of a small triangle
 
+#ifndef BY_LANE
 // A small triangle's words 0 to 7 and 8 to 15, one of each to a lane.
 struct LaneWords {
   uint low, high;
@@ -44,6 +47,7 @@ uvec4 broadcast_0_to_3(uint words) {
 uvec4 broadcast_4_to_7(uint words) {
   return uvec4(subgroupBroadcast(words, 4u), subgroupBroadcast(words, 5u), subgroupBroadcast(words, 6u), subgroupBroadcast(words, 7u));
 }
+#endif
 uvec4 four_words(uint at) { return uvec4(small_words[at], small_words[at + 1u], small_words[at + 2u], small_words[at + 3u]); }
 
 uvec4 depths[kQuads], triangles[kQuads];
@@ -75,6 +79,7 @@ void main() {
     depths[q] = uvec4(0u);
     triangles[q] = uvec4(0u);  // so that a depth of zero, the background's, takes nothing
   }
+#ifndef BY_LANE
   // Eight lanes of one block read a triangle together, a word or two each; what a turn needs is read in the turn before. The
   // last one reads too far, but no farther than the small triangles.
   bool together = subgroupAllEqual(block) && (subgroupBallot(true).x & 0xffu) == 0xffu;
@@ -88,6 +93,7 @@ void main() {
                                    broadcast_4_to_7(words.high)));
     }
   }
+#endif
   while (next < end) {
     uint at = kWords * listed[next];
     ++next;

@@ -19,9 +19,8 @@ class Validation : public testing::Test {
 
   // What the layer says while a device runs `work`, from its making to its end.
   template <typename Work>
-  std::vector<std::string> messages(Work work) {
+  std::vector<std::string> messages(Work work, gpu::DeviceOptions options = {}) {
     std::vector<std::string> said;
-    gpu::DeviceOptions options;
     options.validation_messages = &said;
     {
       gpu::Device device(options);

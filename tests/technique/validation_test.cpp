@@ -76,6 +76,12 @@ TEST_F(Validation, EveryTechniqueAndTheReference) {
              {0, kWidth, kHeight});
     std::uint32_t frame = 0;
     expect_silence("scene");
+    Frontend on_device(device, rich.scene, SetupPlace::device);
+    on_device.prepare(8);
+    gpu::PassRecorder set_up(device);
+    on_device.record_setup(set_up);
+    set_up.run();
+    expect_silence("set-up by the device");
     for (const Technique* technique : techniques()) {
       std::size_t k = 0;
       for (const ParameterValues& given : runs_of(*technique)) {
@@ -96,6 +102,32 @@ TEST_F(Validation, EveryTechniqueAndTheReference) {
       }
   });
   for (const auto& message : said) ADD_FAILURE() << "at the end: " << message;
+}
+
+// What such a device has not is not used: a shader that needed it would be named.
+TEST_F(Validation, DevicesWithoutWhatOnlySomePassesNeed) {
+  const capture::Capture capture = capture::generate("quads", {1, kWidth, kHeight, 1, 1});
+  std::size_t refused = 0;
+  const auto run = [&](gpu::Device& device, std::vector<std::string>&) {
+    gpu::require_ordered_access(device);
+    FrameScene scene(device, capture, {.shadow_map_size = 256}, {0, kWidth, kHeight});
+    for (const Technique* technique : techniques()) {
+      try {
+        run_frame(scene, technique->with());
+      } catch (const DeviceError&) {  // by name (DeviceNeeds)
+        ++refused;
+      }
+    }
+    render_reference(device, scene.scene, {.samples = 8});
+  };
+  const std::vector<std::string> without{gpu::kOrderedAttachments, gpu::kPixelInterlock,    gpu::kDoubles,
+                                         gpu::kFragmentStores,     gpu::kFragmentSubgroups, gpu::kEightAttachments};
+  for (const auto& message : messages(run, {.without = {without.begin() + 2, without.end()}})) ADD_FAILURE() << message;
+  EXPECT_EQ(refused, 3U);
+  // Then visibility has no way.
+  refused = 0;
+  for (const auto& message : messages(run, {.without = without})) ADD_FAILURE() << message;
+  EXPECT_GT(refused, 3U);
 }
 
 }  // namespace

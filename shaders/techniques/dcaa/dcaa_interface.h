@@ -22,6 +22,8 @@ namespace subpixel::gpu_types {
 #define DCAA_CONSTANT_DEPTH_REACH (AGAA_CONSTANTS_END + 7)
 #define DCAA_CONSTANT_INVERSE_LENGTH (AGAA_CONSTANTS_END + 8)
 #define DCAA_CONSTANT_LEAST_SHOWN (AGAA_CONSTANTS_END + 9)  // samples; of the pass that lights
+#define DCAA_CONSTANT_FIRST_MAP (AGAA_CONSTANTS_END + 10)     // of maps.frag, which writes so many at a time:
+#define DCAA_MAPS_AT_A_TIME 3
 
 #define DCAA_SECOND_MERGE 1u   // section 3.3: merge the surface that has to go, if one overlaps it in depth
 #define DCAA_KEEP_FRONT 2u     // section 3.3: the front-most surface never has to go

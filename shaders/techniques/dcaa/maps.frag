@@ -4,7 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 // variants: IMAGE=-DIMAGE BUFFER=
 // What the merge pass did to each pixel.
-// Reads: the pixel's state, what examine.frag found. Writes: surfaces stored, first merges, second merges,
+// Reads: the pixel's state, what examine.frag found. Writes, from FIRST_MAP on: surfaces stored, first merges, second merges,
 // surfaces discarded, leaks (samples that show the sky though something covers them), wrong decisions of the table.
 #include "techniques/dcaa/dcaa_interface.h"
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
@@ -13,12 +13,8 @@ layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 64u;
 #include "techniques/dcaa/state_read.glsl"
 #include "techniques/dcaa/found.glsl"
 
-layout(location = 0) out uint out_surfaces;
-layout(location = 1) out uint out_first_merges;
-layout(location = 2) out uint out_second_merges;
-layout(location = 3) out uint out_discards;
-layout(location = 4) out uint out_leaks;
-layout(location = 5) out uint out_wrong;
+layout(constant_id = DCAA_CONSTANT_FIRST_MAP) const uint FIRST_MAP = 0u;
+layout(location = 0) out uint out_maps[DCAA_MAPS_AT_A_TIME];
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -30,10 +26,8 @@ void main() {
   for (uint i = 0u; i < SURFACES; ++i) covered |= i < count ? surface[i].coverage : uvec2(0u);
   uint at = found_word(pixel);
   uvec2 anywhere = uvec2(found.words.word[at], found.words.word[at + 1u]);
-  out_surfaces = count;
-  out_first_merges = field_of(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS);
-  out_second_merges = field_of(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS);
-  out_discards = field_of(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS);
-  out_leaks = dcaa_count(anywhere & ~covered);
-  out_wrong = found.words.word[at + 3u];
+  uint maps[2 * DCAA_MAPS_AT_A_TIME] = uint[](
+      count, field_of(word, DCAA_FIRST_SHIFT, DCAA_FIRST_BITS), field_of(word, DCAA_SECOND_SHIFT, DCAA_SECOND_BITS),
+      field_of(word, DCAA_DISCARD_SHIFT, DCAA_DISCARD_BITS), dcaa_count(anywhere & ~covered), found.words.word[at + 3u]);
+  for (uint i = 0u; i < DCAA_MAPS_AT_A_TIME; ++i) out_maps[i] = maps[FIRST_MAP + i];
 }

@@ -1,6 +1,6 @@
 // Blocks and pointers of the per-pixel lists: where their words are, and what a pointer says.
 // Blocks 0 to width * height - 1 are the pixels' own, dynamic ones follow (Fridvalszky and Toth 2020, figure 4).
-// Needs SAMPLES before it. Reads and writes: the pool's words, by address.
+// Needs SAMPLES before it. Reads and writes: the pool's words, by address; a pass that only reads defines LINK_READS.
 #ifndef SUBPIXEL_LINKED_LIST_BLOCKS_GLSL
 #define SUBPIXEL_LINKED_LIST_BLOCKS_GLSL
 
@@ -8,12 +8,17 @@
 #include "include/visibility.glsl"
 #include "techniques/linked_list/linked_list_interface.h"
 
+#ifdef LINK_READS
+#define LINK_ACCESS readonly
+#else
+#define LINK_ACCESS
+#endif
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LinkWords { uint word[]; };
 layout(constant_id = LINK_CONSTANT_ALLOCATION) const uint ALLOCATION = LINK_ALLOCATE_LARGEST;
 layout(constant_id = LINK_CONSTANT_FIRST_BLOCK) const uint FIRST_BLOCK = LINK_FIRST_SAMPLE;
 layout(constant_id = LINK_CONSTANT_LIGHTING) const uint LIGHTING = LINK_LIGHT_BLOCKS;
 
-layout(set = 0, binding = STORAGE(LINK_SLOT_POOL), scalar) buffer Pool { LinkPool pool; };
+layout(set = 0, binding = STORAGE(LINK_SLOT_POOL), scalar) LINK_ACCESS buffer Pool { LinkPool pool; };
 
 const uint kNoBlock = 0xffffffffu;
 // 1 where a pair has its shared word: where one byte beside albedo and normal is too little (one_byte_more() of stored_sample.glsl).

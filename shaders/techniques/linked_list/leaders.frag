@@ -4,6 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 // The fragments of each pixel that need a dynamic block.
 // Reads: visibility. Writes: dynamic_leaders().
+#define LINK_READS
 #include "include/interface.h"
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #define WRITES_LEADERS

@@ -6,6 +6,7 @@
 // The lighting pass: one lighting execution for each block of the pixel's list, weighted by its samples; or, when light.comp
 // has lit the dynamic blocks, of the pixel's own, and the sum.
 // Reads: visibility, blocks, shadow map. Writes: linear radiance with the lighting executions in a; display values.
+#define LINK_READS
 #include "include/interface.h"
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 #include "include/lights.glsl"

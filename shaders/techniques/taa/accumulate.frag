@@ -2,13 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: = STORY=-DSTORY
+// variants: = STORY=-DSTORY MAPS=-DMAPS
 // Adds a frame to what was accumulated before it, at the place where the pixel's surface was then.
 // Karis 2014, "High-quality temporal supersampling"; Salvi 2016, "An excursion in temporal supersampling" (bounds of
 // variance); Yang, Liu and Salvi 2020, "A survey of temporal antialiasing techniques".
 // Reads: visibility; the pixels' resolvable values; triangle records; matrices of motion; history and depth before.
-// Writes: linear radiance with the lighting executions in a; display values; history, a the frames in it; depth; one
-// where the history was rejected; how far bounds moved it, in 255ths.
+// Writes: linear radiance with the lighting executions in a; display values; history, a the frames in it; depth. MAPS, in
+// their place: one where the history was rejected; how far bounds moved it, in 255ths.
 #include "include/resolve.glsl"
 #include "include/visibility.glsl"
 #include "techniques/taa/taa_interface.h"
@@ -20,12 +20,15 @@ layout(set = 0, binding = SAMPLED(TAA_SLOT_DEPTH_BEFORE)) uniform sampler2D dept
 layout(set = 0, binding = STORAGE(TAA_SLOT_MOTION), scalar) readonly buffer Motion { mat4 motion[]; };
 layout(push_constant, scalar) uniform Push { TaaPush push; };
 
+#ifdef MAPS
+layout(location = 0) out uint out_rejected;
+layout(location = 1) out uint out_clipped;
+#else
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_display;
 layout(location = 2) out vec4 out_history;
 layout(location = 3) out float out_depth;
-layout(location = 4) out uint out_rejected;
-layout(location = 5) out uint out_clipped;
+#endif
 
 #include "techniques/taa/story.glsl"
 
@@ -171,12 +174,15 @@ void main() {
     }
   }
   TELL(tell_value(compressed(own.rgb), share, value, frames);)
+#ifdef MAPS
+  out_rejected = rejected;
+  out_clipped = moved;
+#else
   vec3 radiance = resolved_radiance(decompressed(value));
   out_radiance = vec4(radiance, own.a);
   out_display = vec4(display_from_radiance(radiance), 1.0);
   out_history = vec4(value, frames);
   uvec2 here = visible_sample(p);
   out_depth = here.y == SUBPIXEL_NO_TRIANGLE ? 0.0 : max(uintBitsToFloat(here.x), 1e-30);
-  out_rejected = rejected;
-  out_clipped = moved;
+#endif
 }
