@@ -51,9 +51,9 @@ SmallLists record_small_lists(gpu::PassRecorder& recorder, const FrontendFrame& 
   list.name = kPass;
   list.shader = "frontend/list_small.comp:COUNT";
   list.bindings = {gpu::reads(FRONTEND_SLOT_SMALL_RECORDS, frontend.small_records()),
-                   gpu::writes(FRONTEND_SLOT_SMALL_TRIANGLES, *lists.triangles),
                    gpu::writes(FRONTEND_SLOT_BLOCK_ENDS, *lists.ends)};
   list.push = gpu::PushConstants(gpu_types::ListSmallPush{.records = list.reads(frontend.records()),
+                                                          .small = list.writes(*lists.triangles),
                                                           .count = static_cast<std::uint32_t>(frontend.small_count()),
                                                           .width = frame.width,
                                                           .height = frame.height});
@@ -87,18 +87,26 @@ namespace {
 // Small triangles of sample group `g` into the image.
 void record_small_triangles(gpu::PassRecorder& recorder, const FrontendFrame& frame, gpu::Image& image,
                             const SmallLists& lists, std::uint32_t group, std::uint32_t g) {
-  const gpu_types::VisibilitySmallPush push{static_cast<std::uint32_t>(frame.frontend.small_count()), frame.width,
-                                            frame.height};
   gpu::RasterPass pass;
+  const gpu_types::VisibilitySmallPush push{.small = pass.reads(*lists.triangles),
+                                            .count = static_cast<std::uint32_t>(frame.frontend.small_count()),
+                                            .width = frame.width,
+                                            .height = frame.height};
   pass.name = kPass;
   pass.pipeline.vertex = "shade/fullscreen.vert";
   pass.pipeline.fragment = "frontend/visibility_small.frag:" + std::to_string(group);
-  if (!recorder.device().info().fragment_subgroups) pass.pipeline.fragment += "_BY_LANE";
+  const gpu::DeviceInfo& info = recorder.device().info();
+  const bool far = lists.triangles->bytes() > info.max_storage_buffer_range;
+  if (!info.fragment_subgroups)
+    pass.pipeline.fragment += "_BY_LANE";
+  else if (far)
+    pass.pipeline.fragment += "_FAR";
+  else
+    pass.bindings.push_back(gpu::reads(FRONTEND_SLOT_SMALL_TRIANGLES, *lists.triangles));
   pass.pipeline.constants = frame.frontend.constants();
   pass.pipeline.constants.emplace_back(CONSTANT_SAMPLE_GROUP, g);
-  pass.bindings = {gpu::reads(FRONTEND_SLOT_SMALL_TRIANGLES, *lists.triangles),
-                   gpu::reads(FRONTEND_SLOT_BLOCK_ENDS, *lists.ends),
-                   gpu::reads(FRONTEND_SLOT_BLOCK_LISTS, *lists.listed)};
+  pass.bindings.push_back(gpu::reads(FRONTEND_SLOT_BLOCK_ENDS, *lists.ends));
+  pass.bindings.push_back(gpu::reads(FRONTEND_SLOT_BLOCK_LISTS, *lists.listed));
   pass.push = gpu::PushConstants(push);
   for (const std::uint32_t layer : layers_of(frame.frontend.samples(), group, g)) pass.colours.emplace_back(image, layer);
   recorder.raster(std::move(pass));
@@ -161,7 +169,6 @@ bool small_lists_pay(const Frontend& frontend, std::uint64_t pixels) {
   const std::uint64_t range = info.max_storage_buffer_range;
   // Lists cost about what the hulls of 1/32 as many triangles as pixels do.
   return info.ordered_attachments && 32 * frontend.small_count() > pixels &&
-         frontend.small_count() * sizeof(gpu_types::SmallTriangle) <= range &&
          (frontend.small_blocks() + 1) * 4 <= range;
 }
 

@@ -266,6 +266,8 @@ void Device::choose_physical(const DeviceOptions& options) {
   info_.cpu_model = cpu_model();
   info_.is_cpu = core.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   info_.max_storage_buffer_range = core.limits.maxStorageBufferRange;
+  if (options.largest_range > 0)
+    info_.max_storage_buffer_range = std::min(info_.max_storage_buffer_range, options.largest_range);
   info_.max_buffer_size = maintenance3.maxMemoryAllocationSize;
   info_.max_image_dimension = core.limits.maxImageDimension2D;
   for (const NeedOfParts& need : kNeedsOfParts)

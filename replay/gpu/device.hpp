@@ -24,6 +24,8 @@ struct DeviceOptions {
   // Of the needs of parts (kOrderedAttachments and so on), those that are left alone though the device has them, so that
   // a test takes the other path.
   std::vector<std::string> without;
+  // Bound ranges end there, so that a test goes beyond them; 0: where the device's do.
+  VkDeviceSize largest_range = 0;
   bool names = false;  // of buffers, images, pipelines and passes reach Vulkan, for RenderDoc and layers
   // Turns the Khronos validation layer on, and names, and takes what it says until the device has ended (Instance).
   std::vector<std::string>* validation_messages = nullptr;

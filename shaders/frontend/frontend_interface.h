@@ -55,6 +55,8 @@ BUFFER_REFERENCE(FragmentNumbers)
 BUFFER_REFERENCE(PixelEnds)
 BUFFER_REFERENCE(FragmentBases)
 BUFFER_REFERENCE(NearestWords)
+BUFFER_REFERENCE(SmallTriangles)
+BUFFER_REFERENCE(SmallWords)
 
 // Of setup.comp and clip.comp.
 struct SetupPush {
@@ -120,12 +122,14 @@ struct HullPush {
 
 struct ListSmallPush {
   ADDRESS(Records) records;
+  ADDRESS(SmallTriangles) small;
   uint count;   // small triangles
   uint width;
   uint height;
 };
 
 struct VisibilitySmallPush {
+  ADDRESS(SmallWords) small;
   uint count;  // small triangles
   uint width;
   uint height;

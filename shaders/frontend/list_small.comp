@@ -12,7 +12,7 @@ layout(local_size_x = 64) in;
 #include "include/coverage.glsl"
 
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SMALL_RECORDS), scalar) readonly buffer SmallRecords { uint small_records[]; };
-layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SMALL_TRIANGLES), scalar) buffer SmallTriangles { SmallTriangle small[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SmallTriangles { SmallTriangle at[]; };
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_BLOCK_ENDS), scalar) buffer BlockEnds { uint block_end[]; };
 #ifdef STORE
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_BLOCK_LISTS), scalar) writeonly buffer BlockLists { uint listed[]; };
@@ -38,10 +38,10 @@ void main() {
 #ifdef COUNT
   uint record = small_records[item];
   uvec4 v01 = push.records.record[record].v01, v2_ref = push.records.record[record].v2_ref;
-  small[item] = SmallTriangle(v01, v2_ref, push.records.record[record].depth,
+  push.small.at[item] = SmallTriangle(v01, v2_ref, push.records.record[record].depth,
                               uvec4(push.records.record[record].depth2.x, record, 0u, 0u));
 #else
-  uvec4 v01 = small[item].v01, v2_ref = small[item].v2_ref;
+  uvec4 v01 = push.small.at[item].v01, v2_ref = push.small.at[item].v2_ref;
 #endif
   walk_small_triangle(ivec2(v01.xy), ivec2(v01.zw), ivec2(v2_ref.xy), uvec2(push.width, push.height));
 }

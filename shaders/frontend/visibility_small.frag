@@ -2,14 +2,15 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
-// variants: 1=-DGROUP=1 2=-DGROUP=2 4=-DGROUP=4 8=-DGROUP=8 16=-DGROUP=16 1_BY_LANE=-DGROUP=1,-DBY_LANE 2_BY_LANE=-DGROUP=2,-DBY_LANE 4_BY_LANE=-DGROUP=4,-DBY_LANE 8_BY_LANE=-DGROUP=8,-DBY_LANE 16_BY_LANE=-DGROUP=16,-DBY_LANE
+// variants: 1=-DGROUP=1 2=-DGROUP=2 4=-DGROUP=4 8=-DGROUP=8 16=-DGROUP=16 1_FAR=-DGROUP=1,-DFAR 2_FAR=-DGROUP=2,-DFAR 4_FAR=-DGROUP=4,-DFAR 8_FAR=-DGROUP=8,-DFAR 16_FAR=-DGROUP=16,-DFAR 1_BY_LANE=-DGROUP=1,-DFAR,-DBY_LANE 2_BY_LANE=-DGROUP=2,-DFAR,-DBY_LANE 4_BY_LANE=-DGROUP=4,-DFAR,-DBY_LANE 8_BY_LANE=-DGROUP=8,-DFAR,-DBY_LANE 16_BY_LANE=-DGROUP=16,-DFAR,-DBY_LANE
 #ifndef BY_LANE
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
 #endif
 // Visibility of small triangles: each pixel goes through the list of its block (list_small.comp), in any order: the nearest
 // triangle stays, of equal depths the first submitted, which is the one with the smaller number, since small triangles are whole and
-// have the records of their slots. BY_LANE does without subgroups.
+// have the records of their slots. FAR reads triangles by address, since they
+// pass the size of a bound range; BY_LANE does so, too, and without subgroups.
 // Reads: lists by block, small triangles. Writes: the attachments, as visibility.frag does.
 #include "include/coverage.glsl"
 #include "frontend/frontend_interface.h"
@@ -17,7 +18,10 @@
 
 layout(constant_id = CONSTANT_SAMPLES) const uint SAMPLES = 8u;
 layout(constant_id = CONSTANT_SAMPLE_GROUP) const uint SAMPLE_GROUP = 0u;
-layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SMALL_TRIANGLES), scalar) readonly buffer SmallTriangles { uint small_words[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SmallWords { uint word[]; };
+#ifndef FAR
+layout(set = 0, binding = STORAGE(FRONTEND_SLOT_SMALL_TRIANGLES), scalar) readonly buffer BoundTriangles { uint small_words[]; };
+#endif
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_BLOCK_ENDS), scalar) readonly buffer BlockEnds { uint block_end[]; };
 layout(set = 0, binding = STORAGE(FRONTEND_SLOT_BLOCK_LISTS), scalar) readonly buffer BlockLists { uint listed[]; };
 layout(push_constant, scalar) uniform Push { VisibilitySmallPush push; };
@@ -30,6 +34,12 @@ layout(location = 0) out uvec4 out_texels[GROUP / 2];
 const uint kQuads = (GROUP + 3) / 4;
 const uint kWords = 16u;  // of a small triangle
 
+#ifdef FAR
+uint small_word(uint at) { return push.small.word[at]; }
+#else
+uint small_word(uint at) { return small_words[at]; }
+#endif
+
 #ifndef BY_LANE
 // A small triangle's words 0 to 7 and 8 to 15, one of each to a lane.
 struct LaneWords {
@@ -38,7 +48,7 @@ struct LaneWords {
 
 LaneWords lane_words(uint item) {
   uint at = kWords * item + (gl_SubgroupInvocationID & 7u);
-  return LaneWords(small_words[at], small_words[at + 8u]);
+  return LaneWords(small_word(at), small_word(at + 8u));
 }
 
 uvec4 broadcast_0_to_3(uint words) {
@@ -48,7 +58,7 @@ uvec4 broadcast_4_to_7(uint words) {
   return uvec4(subgroupBroadcast(words, 4u), subgroupBroadcast(words, 5u), subgroupBroadcast(words, 6u), subgroupBroadcast(words, 7u));
 }
 #endif
-uvec4 four_words(uint at) { return uvec4(small_words[at], small_words[at + 1u], small_words[at + 2u], small_words[at + 3u]); }
+uvec4 four_words(uint at) { return uvec4(small_word(at), small_word(at + 1u), small_word(at + 2u), small_word(at + 3u)); }
 
 uvec4 depths[kQuads], triangles[kQuads];
 

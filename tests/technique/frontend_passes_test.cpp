@@ -134,16 +134,17 @@ capture::Capture tied_triangles(Numbers& numbers) {
   return screen_capture(triangles, kSide, kSide);
 }
 
-// Samples of the two ways that differ in triangle or depth.
+// Samples that differ in triangle or depth, small triangles as hulls and, on `other_device`, by the other way.
 std::uint64_t different_samples(const capture::Capture& capture, std::uint32_t width, std::uint32_t height,
-                                std::uint32_t n, std::optional<SmallTriangles> way) {
-  const auto samples = [&](std::optional<SmallTriangles> small) {
-    FrontendRun run(test_device(), capture, width, height, n, small);
+                                std::uint32_t n, std::optional<SmallTriangles> way,
+                                gpu::Device& other_device = test_device()) {
+  const auto samples = [&](gpu::Device& device, std::optional<SmallTriangles> small) {
+    FrontendRun run(device, capture, width, height, n, small);
     run.run();
     EXPECT_GT(run.frontend.small_count(), 1000u);
     return std::vector<VisibleSample>(run.seen().begin(), run.seen().end());
   };
-  const auto hulls = samples(SmallTriangles::as_hulls), other = samples(way);
+  const auto hulls = samples(test_device(), SmallTriangles::as_hulls), other = samples(other_device, way);
   std::uint64_t different = 0;
   for (std::size_t i = 0; i < hulls.size(); ++i)
     different += hulls[i].triangle != other[i].triangle || hulls[i].depth_bits != other[i].depth_bits ? 1 : 0;
@@ -161,6 +162,28 @@ TEST_P(SecondPass, SmallTrianglesLeaveTheSameBitsInListsAndAsHulls) {
     EXPECT_EQ(different_samples(tied_triangles(numbers), kSide - cut, kSide - cut, n, SmallTriangles::in_lists), 0u)
         << "tied, " << cut;
   }
+}
+
+// Small triangles of more bytes than a range of the device has, or one by one for each lane.
+TEST_P(SecondPass, SmallTrianglesLeaveTheSameBitsByAddress) {
+  const std::uint32_t n = GetParam();
+  constexpr std::uint32_t kTriangles = 40'000;
+  // With room for the samples that the test reads.
+  static gpu::Device far({.largest_range = 2 << 20}), by_lane({.without = {gpu::kFragmentSubgroups}});
+  ASSERT_GT(kTriangles * sizeof(gpu_types::SmallTriangle), far.info().max_storage_buffer_range);
+  Numbers numbers(29 + n);
+  std::vector<ScreenTriangle> triangles(kTriangles);
+  for (ScreenTriangle& t : triangles) {
+    const std::int64_t x = numbers.whole(0, 256 * kSide), y = numbers.whole(0, 256 * kSide);
+    for (int k = 0; k < 3; ++k) {
+      t.corner[k] = {x + numbers.whole(0, 700), y + numbers.whole(0, 700)};
+      t.z[k] = static_cast<float>(numbers.real(0.1, 0.9));
+    }
+  }
+  const capture::Capture capture = screen_capture(triangles, kSide, kSide);
+  const std::uint32_t m = std::min(n, 16u);
+  EXPECT_EQ(different_samples(capture, kSide, kSide, m, SmallTriangles::in_lists, far), 0u);
+  EXPECT_EQ(different_samples(capture, kSide - 3, kSide - 3, m, SmallTriangles::in_lists, by_lane), 0u);
 }
 
 // More triangles in a block than drivers take that end long loops.
