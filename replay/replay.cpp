@@ -12,7 +12,6 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/hash.hpp"
-#include "capture_format/reading/capture_file.hpp"
 #include "replay/frame/banded_frame.hpp"
 #include "replay/gpu/litmus.hpp"
 #include "replay/host_clock.hpp"
@@ -24,6 +23,7 @@
 #include "replay/reference/reference_cache.hpp"
 #include "replay/results/limits.hpp"
 #include "replay/scene/lights.hpp"
+#include "replay/single_frame.hpp"
 #include "replay/techniques/complete_technique.hpp"
 
 namespace subpixel::replay {
@@ -80,7 +80,7 @@ capture::Capture read_frames(const ReplayJob& job, const std::vector<TechniqueSe
   for (const TechniqueSetting& setting : planned)
     if (const auto* temporal = dynamic_cast<const TemporalParameters*>(setting.parameters.get()))
       history = std::max(history, temporal->history);
-  return file.load(first - std::min(history, first), last);
+  return load_frames(file, first - std::min(history, first), last, job.options.point_lights);
 }
 
 class Replay {

@@ -41,7 +41,7 @@ capture::Capture read_frame(const StoryJob& job, const std::vector<TechniqueSett
   for (const TechniqueSetting& setting : settings)
     if (const auto* temporal = dynamic_cast<const TemporalParameters*>(setting.parameters.get()))
       history = std::max(history, temporal->history);
-  return load_frame(job.capture, job.frame, history);
+  return load_frame(job.capture, job.frame, history, job.point_lights);
 }
 
 FrameChoice choice_of(const StoryJob& job, const capture::Capture& capture, std::uint32_t limit) {

@@ -145,6 +145,7 @@ export function runForm(capture, registry, limits) {
     [64, '64 (quick look)'], [0, 'none: no error']]
     .map(([value, label]) => h('option', {value}, label)));
   const lights = numberInput(limits.point_lights, {placeholder: 'as recorded'});
+  const everyLight = h('input', {type: 'checkbox'});
   const memory = numberInput(limits.memory_mib, {placeholder: 'no limit'});
   const text = h('input', {type: 'text', placeholder: 'streaming:surfaces=1..4,msaa:samples=4|16', spellcheck: 'false'});
   const problem = h('p.problem', {role: 'alert'});
@@ -165,6 +166,7 @@ export function runForm(capture, registry, limits) {
       repeat: repeat.valueAsNumber, reference_samples: Number(reference.value),
     };
     if (lights.value !== '') body.point_lights = lights.valueAsNumber;
+    if (everyLight.checked) body.every_light = true;
     if (memory.value !== '') body.memory_mib = memory.valueAsNumber;
     start.disabled = true;
     try {
@@ -186,6 +188,7 @@ export function runForm(capture, registry, limits) {
         field('Repeats', repeat, 'timed runs of each frame; the median counts'),
         field('Reference samples', reference, 'per pixel, for the error'),
         field('Point lights', lights, 'extra ones are placed in the scene'),
+        field('Every light at every point', everyLight, 'not only those in reach: the same image, later'),
         field('Memory in MiB', memory, 'of what a frame holds; beyond it the frame is drawn in bands'))),
     h('fieldset', {}, h('legend', {}, 'Techniques'), h('ul.techniques', {}, entries.map((entry) => entry.element)),
       field('Further ones, as on the command line', text, 'name:parameter=value, several with commas; first..last and a|b sweep a parameter')),

@@ -140,18 +140,22 @@ Frame CaptureFile::frame(std::size_t number, std::size_t material_count) const {
   return frame;
 }
 
-Capture CaptureFile::load(std::size_t first, std::size_t last, Triangles triangles) const {
+Capture CaptureFile::load(std::size_t first, std::size_t last, Triangles triangles,
+                          std::span<const std::uint32_t> also) const {
   try {
+    std::set<std::size_t> wanted(also.begin(), also.end());
+    for (std::size_t f = first; f <= last && f < frames_.size(); ++f) wanted.insert(f);
+    wanted.erase(wanted.lower_bound(frames_.size()), wanted.end());
     Capture capture;
     capture.metadata = metadata_;
     std::vector<Material> all_materials = materials();
     capture.frames.resize(frames_.size());
     if (!frames_.empty()) {
       capture.frames[0] = frame(0, all_materials.size());
-      if (first > 0) capture.frames[0].draws.clear();
+      if (!wanted.contains(0)) capture.frames[0].draws.clear();
     }
     Used used;
-    for (std::size_t f = first; f <= last && f < frames_.size(); ++f) {
+    for (const std::size_t f : wanted) {
       if (f > 0) capture.frames[f] = frame(f, all_materials.size());
       for (const Draw& draw : capture.frames[f].draws) add_used(used, draw);
     }
@@ -191,7 +195,7 @@ Capture CaptureFile::load(std::size_t first, std::size_t last, Triangles triangl
       capture.textures.push_back(std::move(texture));
     }
     IndexChecker indices;
-    for (std::size_t f = first; f <= last && f < frames_.size(); ++f) {
+    for (const std::size_t f : wanted) {
       for (std::size_t d = 0; d < capture.frames[f].draws.size(); ++d) {
         Draw& draw = capture.frames[f].draws[d];
         renumber(draw, buffer_numbers, material_numbers);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,11 @@ class CaptureFile {
   // file, for what writes them again.
   enum class Triangles { lists, as_stored };
 
-  // Frames `first` to `last` (below frame_count()) with the buffers, textures and materials they use, in the order of
-  // the file and numbered anew. The other frames are there by number but empty, except that frame 0
-  // always has its size, camera and lights. Throws InputError for what is wrong of all this.
-  Capture load(std::size_t first, std::size_t last, Triangles triangles = Triangles::lists) const;
+  // Frames `first` to `last` (below frame_count()), and those of `also` that are, with the buffers, textures and materials
+  // they use, in the order of the file and numbered anew. The other frames are there by number but empty, except that
+  // frame 0 always has its size, camera and lights. Throws InputError for what is wrong of all this.
+  Capture load(std::size_t first, std::size_t last, Triangles triangles = Triangles::lists,
+               std::span<const std::uint32_t> also = {}) const;
 
   // All frames and materials, and buffers and textures without their bytes, of which `buffer_bytes` and `texture_bytes`
   // are the sizes.

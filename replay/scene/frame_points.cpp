@@ -6,6 +6,14 @@
 
 namespace subpixel::replay {
 
+std::vector<std::uint32_t> light_stage_frames(std::size_t frame_count) {
+  constexpr std::size_t kMost = 8;
+  const std::size_t count = std::min(frame_count, kMost);
+  std::vector<std::uint32_t> frames;
+  for (std::size_t i = 0; i < count; ++i) frames.push_back(static_cast<std::uint32_t>(i * frame_count / count));
+  return frames;
+}
+
 LightStage light_stage(const capture::Capture& capture, std::uint32_t frame, const GeometryPlan& plan,
                        std::span<const float> positions, std::span<const std::uint32_t> indices) {
   LightStage stage;

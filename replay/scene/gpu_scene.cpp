@@ -19,8 +19,6 @@
 namespace subpixel::replay {
 namespace {
 
-constexpr std::uint32_t kLightStages = 8;  // frames that share the placed lights
-
 struct FeatureName {
   std::uint32_t bit;
   const char* name;
@@ -250,10 +248,7 @@ GpuScene::GpuScene(gpu::Device& device, const capture::Capture& capture, const S
   if (lights == PointLights::some) {
     std::vector<LightStage> stages;
     Bounds all;
-    const auto frame_count = static_cast<std::uint32_t>(capture.frames.size());
-    const std::uint32_t stage_count = std::min(frame_count, kLightStages);
-    for (std::uint32_t s = 0; s < stage_count; ++s) {
-      const std::uint32_t frame = s * frame_count / stage_count;
+    for (const std::uint32_t frame : light_stage_frames(capture.frames.size())) {
       stages.push_back(light_stage(capture, frame, plan, positions.as<float>(), indices.as<std::uint32_t>()));
       const auto& draws = capture.frames[frame].draws;
       for (std::size_t d = 0; d < draws.size(); ++d)

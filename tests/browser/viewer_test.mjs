@@ -277,11 +277,14 @@ const tests = [
   ['a run starts and its progress is live', async () => {
     await page.getByLabel('Samples per pixel').selectOption('4');
     await page.getByLabel('Reference samples').selectOption('64');
+    await page.getByLabel('Every light at every point').check();
     const msaa = techniqueOf('msaa');
     await msaa.getByRole('button', {name: 'another variant'}).click();
     await msaa.locator('.variant').nth(1).getByLabel('samples').selectOption('8');
     await page.getByRole('button', {name: 'Start run'}).click();
     await page.waitForURL(/#\/runs\/\d+$/);
+    const {request} = await (await fetch(`${service.url}/api/runs/${/\d+$/.exec(page.url())[0]}`)).json();
+    assert.equal(request.every_light, true);
     await page.locator('.results tbody tr').first().waitFor();
     await page.waitForFunction(() => /[1-8] of 9 results/.test(document.querySelector('.progress')?.innerText ?? ''), null, {timeout});
     await shot('run-live');
