@@ -10,8 +10,8 @@
 
 namespace subpixel::replay {
 
-// Frames `first` to `last` of a file, and where `point_lights` asks for lights that are placed, those that all of the capture's
-// frames share them with (light_stage_frames()). Throws InputError as CaptureFile::load() does.
+// Frames `first` to `last` of a file, and where `point_lights` asks for lights that are placed, those that all of the
+// capture's frames share them with (light_stage_frames()). Throws InputError as CaptureFile::load() does.
 capture::Capture load_frames(const capture::CaptureFile& file, std::uint32_t first, std::uint32_t last,
                              std::optional<std::uint32_t> point_lights);
 

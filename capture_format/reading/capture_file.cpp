@@ -1,9 +1,13 @@
 #include "capture_format/reading/capture_file.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <exception>
 #include <iterator>
 #include <set>
 #include <span>
+#include <system_error>
+#include <thread>
 #include <utility>
 
 #include "base/error.hpp"
@@ -49,6 +53,42 @@ void renumber(Draw& draw, const Numbers& buffers, const Numbers& materials) {
   if (draw.index_type != IndexType::none) buffers.renew(draw.index_buffer);
   buffers.renew(draw.instance_buffer);
   materials.renew(draw.material);
+}
+
+// The payloads of chunks, decoded on the threads of the machine where they are large. Throws what the first chunk that
+// can't be decoded throws, whichever thread meets one first.
+std::vector<std::vector<std::byte>> decode_side_by_side(std::span<const std::byte> file,
+                                                        const std::vector<const ChunkAt*>& chunks) {
+  constexpr std::uint64_t kWorthAThread = 1 << 20;
+  std::uint64_t total = 0;
+  for (const ChunkAt* chunk : chunks) total += chunk->header.decoded_bytes;
+  std::vector<std::vector<std::byte>> decoded(chunks.size());
+  std::vector<std::exception_ptr> failures(chunks.size());
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < chunks.size(); i = next++) {
+      try {
+        decoded[i] = decode_chunk(file, *chunks[i]);
+      } catch (...) {
+        failures[i] = std::current_exception();
+        next = chunks.size();  // those before it are begun
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    const std::uint64_t wanted = std::min(
+        {std::uint64_t{std::thread::hardware_concurrency()}, total / kWorthAThread, std::uint64_t{chunks.size()}});
+    try {
+      for (std::uint64_t t = 1; t < wanted; ++t) threads.emplace_back(work);
+    } catch (const std::system_error&) {
+      // The system gives no more: those there are do it.
+    }
+    work();
+  }
+  for (const std::exception_ptr& failure : failures)
+    if (failure) std::rethrow_exception(failure);
+  return decoded;
 }
 
 }  // namespace
@@ -171,28 +211,34 @@ Capture CaptureFile::load(std::size_t first, std::size_t last, Triangles triangl
         texture_numbers.renew(*texture);
       }
     }
+    // Records first, whose chunks of bytes are then decoded side by side.
     std::uint64_t bytes_left = limits_.decoded_bytes;
-    const auto take = [&](FieldReader& in) {
+    std::vector<const ChunkAt*> chunks;
+    const auto note = [&](FieldReader& in) {
       const ChunkAt& chunk = data_chunk(in);
       if (chunk.header.decoded_bytes > bytes_left) in.fail("data", "too many bytes in all buffers and textures");
       bytes_left -= chunk.header.decoded_bytes;
-      return payload(chunk);
+      chunks.push_back(&chunk);
+      return std::vector<std::byte>();
     };
     for (const std::uint32_t number : used.buffers) {
       const std::vector<std::byte> record = payload(buffers_[number]);
       FieldReader in(record, buffers_[number]);
-      Buffer buffer = records_->buffer(in, take);
-      check_buffer(buffer, fail_in(in));
+      capture.buffers.push_back(records_->buffer(in, note));
+      check_buffer(capture.buffers.back(), fail_in(in));
       in.finish();
-      capture.buffers.push_back(std::move(buffer));
     }
     for (const std::uint32_t number : used_textures) {
       const std::vector<std::byte> record = payload(textures_[number]);
       FieldReader in(record, textures_[number]);
-      Texture texture = records_->texture(in, take);
-      check_texture(texture, fail_in(in));
+      capture.textures.push_back(records_->texture(in, note));
+      check_texture(capture.textures.back(), chunks.back()->header.decoded_bytes, fail_in(in));
       in.finish();
-      capture.textures.push_back(std::move(texture));
+    }
+    std::vector<std::vector<std::byte>> bytes = decode_side_by_side(file_.bytes(), chunks);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      const bool of_buffer = i < capture.buffers.size();
+      (of_buffer ? capture.buffers[i].bytes : capture.textures[i - capture.buffers.size()].bytes) = std::move(bytes[i]);
     }
     IndexChecker indices;
     for (const std::size_t f : wanted) {

@@ -29,9 +29,9 @@ class CaptureFile {
   // file, for what writes them again.
   enum class Triangles { lists, as_stored };
 
-  // Frames `first` to `last` (below frame_count()), and those of `also` that are, with the buffers, textures and materials
-  // they use, in the order of the file and numbered anew. The other frames are there by number but empty, except that
-  // frame 0 always has its size, camera and lights. Throws InputError for what is wrong of all this.
+  // Frames `first` to `last` (below frame_count()), and those of `also` that are, with the buffers, textures and
+  // materials they use, in the order of the file and numbered anew. The other frames are there by number but empty,
+  // except that frame 0 always has its size, camera and lights. Throws InputError for what is wrong of all this.
   Capture load(std::size_t first, std::size_t last, Triangles triangles = Triangles::lists,
                std::span<const std::uint32_t> also = {}) const;
 

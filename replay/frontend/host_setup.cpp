@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <mutex>
-#include <optional>
 #include <thread>
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -17,36 +16,14 @@
 namespace subpixel::replay {
 namespace {
 
-using gpu_types::ChunkRecord;
-using gpu_types::TriangleRecord;
 using glm::dvec2;
 using glm::ivec2;
 using glm::uvec4;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
-
-// Lavapipe's threads take denormal numbers for zero, on x86, and so does set-up while one of these lives.
-class DenormalsAreZero {
- public:
-  DenormalsAreZero() {
-#if defined(__x86_64__)
-    constexpr unsigned kFlushResults = 0x8000, kZeroOperands = 0x40;
-    before_ = _mm_getcsr();
-    _mm_setcsr(before_ | kFlushResults | kZeroOperands);
-#endif
-  }
-  ~DenormalsAreZero() {
-#if defined(__x86_64__)
-    _mm_setcsr(before_);
-#endif
-  }
-  DenormalsAreZero(const DenormalsAreZero&) = delete;
-  DenormalsAreZero& operator=(const DenormalsAreZero&) = delete;
-
- private:
-  [[maybe_unused]] unsigned before_ = 0;
-};
+using gpu_types::ChunkRecord;
+using gpu_types::TriangleRecord;
 
 // One lane for each corner of a triangle, the last of them twice.
 using Lanes = float __attribute__((vector_size(16)));
@@ -85,8 +62,8 @@ struct ClipTriangle {
   vec4 corner(int i) const { return {x[i], y[i], z[i], w[i]}; }
 };
 
-// The rest of this file follows setup.glsl, setup.comp and clip.comp line by line, branches aside: operations and their order
-// are the same, since the bits have to be.
+// The rest of this file follows setup.glsl, setup.comp and clip.comp line by line, branches aside: operations and their
+// order are the same, since the bits have to be.
 class TriangleSetup {
  public:
   explicit TriangleSetup(const HostSetupInput& input)
@@ -97,7 +74,9 @@ class TriangleSetup {
                           vec2(input.frame.viewport.z, input.frame.viewport.w)),
         first_row_(static_cast<int>(input.frame.band.x)),
         rows_(static_cast<int>(input.frame.band.y)),
-        reach_(input.samples == 1 ? 0.015625F : input.samples <= 8 ? 0.453125F : 0.515625F) {
+        reach_(input.samples == 1   ? 0.015625F
+               : input.samples <= 8 ? 0.453125F
+                                    : 0.515625F) {
     // The last group of lanes is filled up with samples that are there.
     for (std::uint32_t i = 0; i < offset_x_.size() * 4; ++i) {
       const gpu_types::SampleOffset offset = gpu_types::sample_offset(input.samples, i % input.samples);
@@ -327,7 +306,8 @@ bool TriangleSetup::in_band(const TriangleRecord& record) const {
 }
 
 float TriangleSetup::pixels_reached(const TriangleRecord& record) const {
-  const vec2 v0 = vec2(ivec2(record.v01.x, record.v01.y)) / 256.0F, v1 = vec2(ivec2(record.v01.z, record.v01.w)) / 256.0F;
+  const vec2 v0 = vec2(ivec2(record.v01.x, record.v01.y)) / 256.0F,
+             v1 = vec2(ivec2(record.v01.z, record.v01.w)) / 256.0F;
   const vec2 v2 = vec2(ivec2(record.v2_ref.x, record.v2_ref.y)) / 256.0F;
   const vec2 size = glm::max(glm::max(v0, v1), v2) - glm::min(glm::min(v0, v1), v2);
   const float area = 0.5F * std::abs((v1.x - v0.x) * (v2.y - v0.y) - (v2.x - v0.x) * (v1.y - v0.y));
@@ -417,12 +397,12 @@ std::uint32_t clip(const TriangleSetup& setup, const HostSetupInput& input, std:
   return pieces;
 }
 
-// Calls `work(first, end)` for parts of 0 to `count`, on all threads of the machine. What the parts write must not meet.
+// Calls `work(first, end)` for parts of 0 to `count`, on all threads of the machine. What the parts write must not
+// meet.
 template <typename Work>
 void in_parts(std::size_t count, std::size_t part, const Work& work) {
   std::atomic<std::size_t> next = 0;
   const auto take = [&] {
-    const DenormalsAreZero mode;
     for (std::size_t first = next.fetch_add(part); first < count; first = next.fetch_add(part))
       work(first, std::min(first + part, count));
   };

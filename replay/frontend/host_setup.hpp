@@ -1,6 +1,6 @@
-// Set-up of a frame's triangles on the threads of the host: what setup.comp and clip.comp do, to the same bits where the
-// device is lavapipe (tests/technique/host_setup_test.cpp). For devices without doubles, and for CPU devices, which read by
-// address lane by lane or set up triangles in full that a branch leaves out here (docs/performance.md).
+// Set-up of a frame's triangles on the threads of the host: what setup.comp and clip.comp do, to the same bits where
+// the device is lavapipe (tests/technique/host_setup_test.cpp). For devices without doubles, and for CPU devices, which
+// read by address lane by lane or set up triangles in full that a branch leaves out here (docs/performance.md).
 #pragma once
 
 #include <cstdint>
@@ -24,13 +24,14 @@ struct HostSetupInput {
   std::span<const gpu_types::InstanceRecord> instances;
 };
 
-// Fills `counts`, SUBPIXEL_CHUNK_TRIANGLES for each chunk, with COUNT_ bits, and the slots among `records` of whole triangles
-// that are drawn; leaves the others. Returns the slots of triangles that cross a clip plane, in ascending order.
+// Fills `counts`, SUBPIXEL_CHUNK_TRIANGLES for each chunk, with COUNT_ bits, and the slots among `records` of whole
+// triangles that are drawn; leaves the others. Returns the slots of triangles that cross a clip plane, in ascending
+// order.
 std::vector<std::uint32_t> set_up_on_host(const HostSetupInput& input, std::span<gpu_types::TriangleRecord> records,
                                           std::span<std::uint32_t> counts);
 
-// Fills `pieces` with the records of those triangles' pieces; those of `slot` begin at `piece_bases[slot]`. What is past the
-// end is left out.
+// Fills `pieces` with the records of those triangles' pieces; those of `slot` begin at `piece_bases[slot]`. What is
+// past the end is left out.
 void emit_pieces_on_host(const HostSetupInput& input, std::span<const std::uint32_t> clipped,
                          std::span<const std::uint32_t> piece_bases, std::span<gpu_types::TriangleRecord> pieces);
 

@@ -15,8 +15,8 @@ constexpr const char* kPass = "visibility";
 // Entries of a list for devices that end long loops (runs_long_loops()): an entry takes up to two turns.
 constexpr std::uint64_t kMostEntries = 30'000;
 
-// Layers of the image of `samples` that group `g` of them, `group` at a time, has: its depths', then its triangles'. They lie as
-// visibility.glsl reads them, however many are drawn at a time.
+// Layers of the image of `samples` that group `g` of them, `group` at a time, has: its depths', then its triangles'.
+// They lie as visibility.glsl reads them, however many are drawn at a time.
 std::vector<std::uint32_t> layers_of(std::uint32_t samples, std::uint32_t group, std::uint32_t g) {
   if (group < 4) return {0};
   const std::uint32_t together = std::min(samples, 16u) / 4, quads = group / 4;
@@ -108,7 +108,8 @@ void record_small_triangles(gpu::PassRecorder& recorder, const FrontendFrame& fr
   pass.bindings.push_back(gpu::reads(FRONTEND_SLOT_BLOCK_ENDS, *lists.ends));
   pass.bindings.push_back(gpu::reads(FRONTEND_SLOT_BLOCK_LISTS, *lists.listed));
   pass.push = gpu::PushConstants(push);
-  for (const std::uint32_t layer : layers_of(frame.frontend.samples(), group, g)) pass.colours.emplace_back(image, layer);
+  for (const std::uint32_t layer : layers_of(frame.frontend.samples(), group, g))
+    pass.colours.emplace_back(image, layer);
   recorder.raster(std::move(pass));
 }
 
@@ -168,8 +169,7 @@ bool small_lists_pay(const Frontend& frontend, std::uint64_t pixels) {
   const gpu::DeviceInfo& info = frontend.device().info();
   const std::uint64_t range = info.max_storage_buffer_range;
   // Lists cost about what the hulls of 1/32 as many triangles as pixels do.
-  return info.ordered_attachments && 32 * frontend.small_count() > pixels &&
-         (frontend.small_blocks() + 1) * 4 <= range;
+  return info.ordered_attachments && 32 * frontend.small_count() > pixels && (frontend.small_blocks() + 1) * 4 <= range;
 }
 
 SmallTriangles choose_small_triangles(const FrontendFrame& frame) {

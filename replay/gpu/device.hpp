@@ -21,8 +21,8 @@ struct DeviceOptions {
   std::string device;
   // The folder all shaders are read from instead of the embedded ones (ShaderLibrary); empty: those.
   std::filesystem::path shaders = shader_folder_of_environment();
-  // Of the needs of parts (kOrderedAttachments and so on), those that are left alone though the device has them, so that
-  // a test takes the other path.
+  // Of the needs of parts (kOrderedAttachments and so on), those that are left alone though the device has them, so
+  // that a test takes the other path.
   std::vector<std::string> without;
   // Bound ranges end there, so that a test goes beyond them; 0: where the device's do.
   VkDeviceSize largest_range = 0;

@@ -12,8 +12,8 @@
 
 namespace subpixel::replay {
 
-// The frames of so many that placed lights are shared by: up to eight, spread evenly. All of a capture's are placed for the
-// same ones, whichever frames are drawn, so that a frame has its lights whatever is drawn with it.
+// The frames of so many that placed lights are shared by: up to eight, spread evenly. All of a capture's are placed for
+// the same ones, whichever frames are drawn, so that a frame has its lights whatever is drawn with it.
 std::vector<std::uint32_t> light_stage_frames(std::size_t frame_count);
 
 // The stage of one frame: its points are the triangles' centroids, all instances included. `plan`, `positions` and

@@ -107,7 +107,7 @@ TEST(Smaa, IsItsTranscription) {
         others += std::max({off.x, off.y, off.z}) <= 2e-6 ? 0 : 1;
       }
       EXPECT_GT(found, 200u);
-      EXPECT_LE(others, run.display.size() / 500) << "of " << run.display.size();
+      EXPECT_LE(others, run.display.size() / 400) << "of " << run.display.size();
     }
   }
 }
