@@ -74,7 +74,7 @@ TEST(DeviceNeeds, EveryTechniqueLeavesTheSameBitsOrRefusesEachByName) {
     for (const Technique* technique : techniques()) {
       const TechniqueRun expected = run_technique(capture, technique->name, {}, 61, 37);
       for (const std::string& need : kInPart) {
-        SCOPED_TRACE(scene + " " + std::string(technique->name) + " without " + need);
+        SCOPED_TRACE(testing::Message() << scene << " " << technique->name << " without " << need);
         try {
           EXPECT_TRUE(expected == run_technique(capture, technique->name, {}, 61, 37, device_without(need)));
         } catch (const DeviceError& error) {

@@ -84,8 +84,8 @@ std::vector<std::string> every_scene() {
 INSTANTIATE_TEST_SUITE_P(Scenes, HostSetup, testing::ValuesIn(every_scene()),
                          [](const auto& tested) { return tested.param; });
 
-// Triangles of all sizes up to 2 to the power `largest`, most of them near or across the borders, the eye's plane and the guard
-// band, all of it `scale` times as large.
+// Triangles of all sizes up to 2 to the power `largest`, most of them near or across the borders, the eye's plane and
+// the guard band, all of it `scale` times as large.
 std::vector<float> random_triangles(double largest, double scale) {
   Numbers numbers(7);
   std::vector<float> positions;
