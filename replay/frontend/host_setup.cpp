@@ -62,6 +62,18 @@ struct ClipTriangle {
   vec4 corner(int i) const { return {x[i], y[i], z[i], w[i]}; }
 };
 
+std::uint32_t first_index_of(const ChunkRecord& chunk, std::uint32_t slot) {
+  return chunk.range.x + 3 * (slot % SUBPIXEL_CHUNK_TRIANGLES);
+}
+
+// Which triangle of which draw a record is of.
+void name_source(TriangleRecord& record, const ChunkRecord& chunk, std::uint32_t slot, bool mirrored) {
+  record.hull2_id.z = first_index_of(chunk, slot);
+  record.hull2_id.w = chunk.range.z;
+  record.v2_ref.w |= (mirrored ? RECORD_MIRRORED : 0U) | chunk.range.w << RECORD_MATERIAL_SHIFT;
+  record.depth2.w = slot;
+}
+
 // The rest of this file follows setup.glsl, setup.comp and clip.comp line by line, branches aside: operations and their
 // order are the same, since the bits have to be.
 class TriangleSetup {
@@ -117,8 +129,8 @@ class TriangleSetup {
   float plane_distance(std::uint32_t plane, const vec4& c) const { return plane_distance(plane, c.x, c.y, c.z, c.w); }
 
   // COUNT_ bits of a whole triangle, whose record is written when they are not 0.
-  std::uint32_t set_up_whole(const ClipTriangle& t, const ChunkRecord& chunk, std::uint32_t first_index,
-                             std::uint32_t slot, TriangleRecord& record) const;
+  std::uint32_t set_up_whole(const ClipTriangle& t, const ChunkRecord& chunk, std::uint32_t slot,
+                             TriangleRecord& record) const;
   // Triangles of the hull, 0: nothing is drawn and the record is not written.
   std::uint32_t set_up(const ClipTriangle& t, bool cull_back, bool mirrored, TriangleRecord& record) const;
 
@@ -323,15 +335,12 @@ std::uint32_t TriangleSetup::blocks_reached(const TriangleRecord& record) const 
   return static_cast<std::uint32_t>(extent.x * extent.y);
 }
 
-std::uint32_t TriangleSetup::set_up_whole(const ClipTriangle& t, const ChunkRecord& chunk, std::uint32_t first_index,
-                                          std::uint32_t slot, TriangleRecord& record) const {
+std::uint32_t TriangleSetup::set_up_whole(const ClipTriangle& t, const ChunkRecord& chunk, std::uint32_t slot,
+                                          TriangleRecord& record) const {
   const bool is_mirrored = mirrored(chunk.range.z);
   const std::uint32_t hull = set_up(t, (chunk.flags.x & CHUNK_CULL_BACK) != 0, is_mirrored, record);
   if (hull == 0 || !in_band(record)) return 0;
-  record.hull2_id.z = first_index;
-  record.hull2_id.w = chunk.range.z;
-  record.v2_ref.w |= (is_mirrored ? RECORD_MIRRORED : 0U) | chunk.range.w << RECORD_MATERIAL_SHIFT;
-  record.depth2.w = slot;
+  name_source(record, chunk, slot, is_mirrored);
   if ((record.v2_ref.w & RECORD_LARGE) != 0 || !(pixels_reached(record) <= SUBPIXEL_SMALL_TRIANGLE_PX)) return hull;
   const std::uint32_t kind = (chunk.flags.x & CHUNK_ALPHA_TEST) == 0 ? COUNT_SMALL : COUNT_SMALL_TESTED;
   return hull | kind | blocks_reached(record) << COUNT_BLOCKS_SHIFT;
@@ -357,8 +366,7 @@ Place place_of(const TriangleSetup& setup, const ClipTriangle& t) {
 template <typename Piece>
 std::uint32_t clip(const TriangleSetup& setup, const HostSetupInput& input, std::uint32_t slot, const Piece& piece) {
   const ChunkRecord& chunk = input.chunks[slot / SUBPIXEL_CHUNK_TRIANGLES];
-  const std::uint32_t first_index = chunk.range.x + 3 * (slot % SUBPIXEL_CHUNK_TRIANGLES);
-  const ClipTriangle t = setup.source(first_index, chunk.range.z);
+  const ClipTriangle t = setup.source(first_index_of(chunk, slot), chunk.range.z);
   constexpr std::uint32_t kMaxCorners = 9;
   std::array<vec4, kMaxCorners> corners{t.corner(0), t.corner(1), t.corner(2)}, next{};
   std::uint32_t count = 3;
@@ -388,10 +396,7 @@ std::uint32_t clip(const TriangleSetup& setup, const HostSetupInput& input, std:
       record.depth2.y = record.hull01.x;
       record.depth2.z = record.hull01.y;
     }
-    record.depth2.w = slot;
-    record.hull2_id.z = first_index;
-    record.hull2_id.w = chunk.range.z;
-    record.v2_ref.w |= (is_mirrored ? RECORD_MIRRORED : 0U) | chunk.range.w << RECORD_MATERIAL_SHIFT;
+    name_source(record, chunk, slot, is_mirrored);
     piece(pieces++, record);
   }
   return pieces;
@@ -430,11 +435,10 @@ std::vector<std::uint32_t> set_up_on_host(const HostSetupInput& input, std::span
         const auto slot = static_cast<std::uint32_t>(c * SUBPIXEL_CHUNK_TRIANGLES + lane);
         counts[slot] = 0;
         if (lane >= chunk.range.y) continue;
-        const std::uint32_t first_index = chunk.range.x + 3 * lane;
-        const ClipTriangle t = setup.source(first_index, chunk.range.z);
+        const ClipTriangle t = setup.source(first_index_of(chunk, slot), chunk.range.z);
         switch (place_of(setup, t)) {
           case Place::whole:
-            counts[slot] = setup.set_up_whole(t, chunk, first_index, slot, records[slot]);
+            counts[slot] = setup.set_up_whole(t, chunk, slot, records[slot]);
             break;
           case Place::crossing:
             counts[slot] = clip(setup, input, slot, [](std::uint32_t, const TriangleRecord&) {}) | COUNT_CLIPPED;

@@ -14,16 +14,25 @@
 #include <random>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "capture_format/capture.hpp"
 #include "replay/frame/frame_setup.hpp"
 #include "replay/frontend/visibility.hpp"
+#include "scenes/generate/generate.hpp"
 #include "shaders/frontend/frontend_types.h"
 #include "shaders/frontend/sample_patterns.h"
 #include "shaders/tests/test_interface.h"
 
 namespace subpixel::replay {
+
+// Names of all generated scenes.
+inline std::vector<std::string> every_scene() {
+  std::vector<std::string> names;
+  for (const capture::SceneInfo& scene : capture::list_scenes()) names.emplace_back(scene.name);
+  return names;
+}
 
 // A corner in 1/256 pixel from the image's top left corner.
 struct GridPoint {

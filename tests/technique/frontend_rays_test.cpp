@@ -298,11 +298,6 @@ TEST_P(RaysThroughScene, HitWhatTheFrontEndSees) {
   EXPECT_EQ(verdict.hits == 0, GetParam() == "empty");
 }
 
-std::vector<std::string> every_scene() {
-  std::vector<std::string> names;
-  for (const capture::SceneInfo& scene : capture::list_scenes()) names.emplace_back(scene.name);
-  return names;
-}
 INSTANTIATE_TEST_SUITE_P(All, RaysThroughScene, testing::ValuesIn(every_scene()),
                          [](const auto& scene) { return scene.param; });
 

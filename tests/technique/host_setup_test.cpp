@@ -1,7 +1,6 @@
 // Set-up on the host against set-up by the device's shaders: the same triangles, to the bit.
 #include <gtest/gtest.h>
 
-#include "scenes/generate/generate.hpp"
 #include "tests/technique/frontend_fixture.hpp"
 #include "tests/technique/technique_run.hpp"
 
@@ -76,11 +75,6 @@ TEST_P(HostSetup, LeavesTheBitsOfTheDevice) {
   expect_same_set_up(capture, 8, 31, 17);
 }
 
-std::vector<std::string> every_scene() {
-  std::vector<std::string> names;
-  for (const capture::SceneInfo& scene : capture::list_scenes()) names.emplace_back(scene.name);
-  return names;
-}
 INSTANTIATE_TEST_SUITE_P(Scenes, HostSetup, testing::ValuesIn(every_scene()),
                          [](const auto& tested) { return tested.param; });
 
